@@ -1,0 +1,173 @@
+#include "pipeline/cli/shot_run.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/cache/atomic_file.h"
+#include "pipeline/cli/output_folder.h"
+#include "pipeline/plan/build_id.h"
+#include "pipeline/report/readable.h"
+#include "pipeline/run/video.h"
+
+namespace wry::pipeline {
+
+namespace {
+
+void print_totals(const ScenePlan& plan, const SimulateOutcome& outcome) {
+  const StepTotals& totals = outcome.totals;
+  if (outcome.frames_written == 0) {
+    fmt::print("{}: all {} frames were there already\n", plan.name, outcome.frames_kept);
+    return;
+  }
+  fmt::print("{}: {} frames simulated in {}{}: {} steps, {} Newton iterations, {} linear iterations, {} cuts; worst "
+             "residual {:.2g} N s\n",
+             plan.name, outcome.frames_written, human_duration(outcome.wall_seconds),
+             outcome.resumed_from > 0 ? fmt::format(", resumed from frame {}", outcome.resumed_from) : "", totals.steps,
+             totals.newton_iterations, totals.linear_iterations, totals.cuts, totals.worst_residual);
+}
+
+Status write_summary(const ShotSession& session, const ScenePlan& plan, const SimulateOutcome& outcome,
+                     const MeasureTable& table) {
+  const StepTotals& totals = outcome.totals;
+  nlohmann::json measures = nlohmann::json::object();
+  for (std::size_t i = 0; i < table.names.size() && !table.rows.empty(); ++i)
+    measures[table.names[i]] = {{"first", table.rows.front()[i]}, {"last", table.rows.back()[i]}};
+  const nlohmann::json summary = {{"shot", plan.name},
+                                  {"version", std::string(version())},
+                                  {"simulation_build", std::string(simulation_build())},
+                                  {"isa", std::string(isa_name(session.isa))},
+                                  {"simulation_key", plan.simulation_key},
+                                  {"frames_written", outcome.frames_written},
+                                  {"frames_kept", outcome.frames_kept},
+                                  {"resumed_from_frame", outcome.resumed_from},
+                                  {"solver", outcome.solver},
+                                  {"wall_seconds", outcome.wall_seconds},
+                                  {"this_run",
+                                   {{"steps", totals.steps},
+                                    {"newton_iterations", totals.newton_iterations},
+                                    {"linear_iterations", totals.linear_iterations},
+                                    {"cuts", totals.cuts},
+                                    {"projected_elements", totals.projected_elements},
+                                    {"most_contacts", totals.most_contacts},
+                                    {"worst_residual_Ns", totals.worst_residual},
+                                    {"evaluate_ms", totals.evaluate_ms},
+                                    {"assemble_ms", totals.assemble_ms},
+                                    {"solve_ms", totals.solve_ms},
+                                    {"total_ms", totals.total_ms}}},
+                                  {"measures", measures}};
+  return write_file_atomically(session.out / "summary.json",
+                               summary.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+bool applies(const shots::Expectation& expectation, const shots::Shot& shot) {
+  if (expectation.ratio_to)
+    return false;
+  if (!expectation.sweep_case)
+    return true;
+  return shot.sweep_case && **shot.sweep_case == **expectation.sweep_case;
+}
+
+} // namespace
+
+Result<SimulateOutcome> simulate_session(const ShotSession& session, const ScenePlan& plan,
+                                         const Invocation& invocation) {
+  if (Status status = require_resources(plan, session.out); !status)
+    return status.error();
+  for (const std::string& warning : plan.warnings)
+    fmt::print(stderr, "warning: {}\n", warning);
+  SimulateOptions options;
+  options.out = session.out;
+  options.threads = invocation.threads;
+  options.isa = session.isa;
+  options.start = invocation.fresh ? SimulateOptions::Start::fresh : SimulateOptions::Start::resume;
+  options.talk = invocation.quiet ? SimulateOptions::Talk::quiet : SimulateOptions::Talk::normal;
+  const Result<SimulateOutcome> outcome = simulate(session.shot, plan, options);
+  if (!outcome)
+    return outcome.error();
+  const Result<MeasureTable> table = measure_frames(plan, session.out);
+  if (!table)
+    return table.error();
+  if (outcome->frames_written > 0) {
+    if (Status status = write_summary(session, plan, *outcome, *table); !status)
+      return status.error();
+  }
+  if (!invocation.quiet)
+    print_totals(plan, *outcome);
+  return outcome;
+}
+
+Status draw_session(const ShotSession& session, const Invocation& invocation) {
+  const Result<render::GlBackend> backend = render::parse_gl_backend(invocation.gl);
+  if (!backend)
+    return backend.error();
+  RenderOptions options;
+  options.out = session.out;
+  options.frames = session.frames;
+  options.backend = *backend;
+  options.talk = invocation.quiet ? RenderOptions::Talk::quiet : RenderOptions::Talk::normal;
+  const int processes = rendering_processes(invocation, session.frames.size());
+  if (!invocation.part.empty()) {
+    if (std::sscanf(invocation.part.c_str(), "%d/%d", &options.part, &options.parts) != 2 || options.parts < 1)
+      return make_error(ErrorCode::usage, "--part {}: expected i/n", invocation.part);
+  } else if (processes > 1) {
+    std::vector<std::vector<std::string>> command_lines;
+    for (int part = 0; part < processes; ++part) {
+      std::vector<std::string> words = {"render"};
+      words.insert(words.end(), invocation.original_arguments.begin(), invocation.original_arguments.end());
+      std::erase_if(words, [](const std::string& word) { return word == "--fresh" || word == "--follow"; });
+      words.push_back("--part");
+      words.push_back(fmt::format("{}/{}", part, processes));
+      command_lines.push_back(std::move(words));
+    }
+    return run_self_to_success(command_lines);
+  }
+  const Result<RenderOutcome> outcome = render_frames(session.shot, options);
+  return outcome ? Status() : Status(outcome.error());
+}
+
+Status encode_session(const ShotSession& session) {
+  for (const shots::Located<shots::View>& view : session.shot.render.views) {
+    std::vector<std::filesystem::path> pictures;
+    for (const int frame : session.frames)
+      pictures.push_back(picture_path(session.out, *session.shot.shot.name, view->name, frame));
+    if (pictures.size() < 2)
+      continue;
+    const Status status =
+        encode_film(pictures, session.out / "images" / fmt::format("{}.{}.mp4", *session.shot.shot.name, view->name),
+                    *session.shot.shot.fps);
+    if (!status)
+      return status;
+  }
+  return {};
+}
+
+Status check_expectations(const ShotSession& session, const MeasureTable& table) {
+  std::string failed;
+  int checked = 0;
+  for (const shots::Expectation& expectation : session.shot.expectations) {
+    if (!applies(expectation, session.shot) || table.rows.empty())
+      continue;
+    const int wanted = expectation.frame ? static_cast<int>(**expectation.frame) : session.shot.shot.frames->last();
+    const auto frame = std::find(table.frames.begin(), table.frames.end(), wanted);
+    const auto name = std::find(table.names.begin(), table.names.end(), *expectation.measure);
+    if (frame == table.frames.end() || name == table.names.end())
+      continue;
+    const double value = table.rows[frame - table.frames.begin()][name - table.names.begin()];
+    ++checked;
+    const bool low = expectation.min && !(value >= **expectation.min);
+    const bool high = expectation.max && !(value <= **expectation.max);
+    if (low || high || value != value)
+      failed += fmt::format("\n  {}: {} is {:.6g} at frame {}, expected {} {:.6g}", expectation.source.text(),
+                            *expectation.measure, value, wanted, low ? "at least" : "at most",
+                            low ? **expectation.min : (high ? **expectation.max : 0.0));
+  }
+  if (!failed.empty())
+    return make_error(ErrorCode::check_failed, "expectations that do not hold:{}", failed);
+  if (checked > 0)
+    fmt::print("{} expectations hold\n", checked);
+  return {};
+}
+
+} // namespace wry::pipeline

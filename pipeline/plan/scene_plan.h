@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pipeline/measure/measure.h"
+#include "shots/shot.h"
+#include "sim/sim_plan.h"
+
+namespace wry::pipeline {
+
+/// A file that the shot reads, with what it held.
+struct Asset {
+  std::string path;
+  std::string sha256;
+};
+
+/// How a body was meshed, for people.
+struct BodyReport {
+  std::string name;
+  std::string source; ///< "mesh meshes/bunny.obj", "box", ...
+  std::string model;
+  Vec3 size = Vec3::Zero(); ///< extents of its rest shape [m]
+  std::size_t tets = 0, nodes = 0, dofs = 0, surface_triangles = 0;
+  double volume = 0.0; ///< [m^3]
+  double mass = 0.0;   ///< [kg]
+  double min_dihedral_deg = 0.0, max_dihedral_deg = 0.0;
+  double min_edge = 0.0, mean_edge = 0.0; ///< [m]
+  std::vector<std::string> notes;         ///< fall-backs, places, warnings
+};
+
+/// A part of the program that this scene runs, or does not, and why.
+struct PlanLine {
+  std::string what;
+  std::string why;
+};
+
+/// What a shot costs, predicted.
+struct CostEstimate {
+  std::uint64_t memory_bytes = 0;    ///< the simulation at its largest
+  std::uint64_t bytes_per_frame = 0; ///< of the frame cache
+  std::uint64_t bytes_per_checkpoint = 0;
+  double seconds_per_step = 0.0;
+  double steps = 0.0; ///< of the whole shot
+
+  /// Frames, and the checkpoints that are there at a time.
+  std::uint64_t disk_bytes(double frame_count) const {
+    return static_cast<std::uint64_t>(frame_count * static_cast<double>(bytes_per_frame)) + 3 * bytes_per_checkpoint;
+  }
+};
+
+/// Everything that is decided before anything runs: the simulation's plan, the measures, and what to tell the user.
+struct ScenePlan {
+  std::string name;
+  SimPlan sim;
+  std::vector<int> frames;             ///< that are asked for
+  std::vector<std::string> body_looks; ///< per body of sim; empty: the default look
+  std::vector<MeasurePlan> measures;
+  std::vector<bool> measure_is_relative; ///< per measure: divided by its first frame's value
+  std::vector<Asset> assets;
+  std::string simulation_key; ///< SHA-256 of all that the frames depend on
+  std::vector<BodyReport> bodies;
+  CostEstimate cost;
+  std::vector<PlanLine> runs;
+  std::vector<PlanLine> left_out;
+  std::vector<std::string> warnings;
+};
+
+/// What the machine and the command line add to a shot.
+struct PlanOptions {
+  std::vector<int> frames; ///< that are asked for, ascending
+  Isa isa = Isa::sse4;
+};
+
+/// Imports and meshes every asset and compiles the shot. Errors: whatever an asset or a value can be wrong about, with
+/// file:line of the key.
+Result<ScenePlan> compile_scene(const shots::Shot& shot, const PlanOptions& options);
+
+} // namespace wry::pipeline

@@ -1,0 +1,29 @@
+#include "pipeline/report/readable.h"
+
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+namespace wry::pipeline {
+
+std::string human_duration(double seconds) {
+  const long whole = std::lround(seconds);
+  if (whole >= 3600)
+    return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
+  if (whole >= 60)
+    return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} s", whole);
+}
+
+std::string human_bytes(double bytes) {
+  constexpr const char* UNITS[] = {"B", "KiB", "MiB", "GiB", "TiB"};
+  std::size_t unit = 0;
+  while (bytes >= 1024.0 && unit + 1 < std::size(UNITS)) {
+    bytes /= 1024.0;
+    ++unit;
+  }
+  return fmt::format("{:.{}f} {}", bytes, bytes >= 100.0 || unit == 0 ? 0 : 1, UNITS[unit]);
+}
+
+} // namespace wry::pipeline

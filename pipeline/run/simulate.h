@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "pipeline/plan/scene_plan.h"
+#include "pipeline/run/step_columns.h"
+#include "sim/base/isa.h"
+
+namespace wry::pipeline {
+
+/// How a simulation is run; none of it changes the answer but `isa`.
+struct SimulateOptions {
+  std::filesystem::path out; ///< the shot's own folder
+  int threads = 0;           ///< 0: all cores
+  Isa isa = Isa::sse4;
+  enum class Start { resume, fresh } start = Start::resume;
+  enum class Talk { normal, quiet } talk = Talk::normal;
+};
+
+/// What a simulation did.
+struct SimulateOutcome {
+  int frames_written = 0;
+  int frames_kept = 0;  ///< were there already, from the same inputs
+  int resumed_from = 0; ///< frame of the checkpoint it went on from; 0: it started anew
+  StepTotals totals;    ///< of this run's steps
+  double wall_seconds = 0.0;
+  std::string solver; ///< linear solver and why
+};
+
+/// Advances a shot to its last frame, writing frames and checkpoints into its folder; goes on where an earlier run of
+/// the same inputs stopped. The caller holds the folder's lock. Errors: stopped (a checkpoint was written), solver,
+/// cannot_write, io, out_of_memory; the last good frame is then kept.
+Result<SimulateOutcome> simulate(const shots::Shot& shot, const ScenePlan& plan, const SimulateOptions& options);
+
+/// measure.csv from the cached frames, all of them: a row per frame, a column per measure. Returns the values by row.
+struct MeasureTable {
+  std::vector<int> frames;
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> rows;
+};
+Result<MeasureTable> measure_frames(const ScenePlan& plan, const std::filesystem::path& out);
+
+} // namespace wry::pipeline

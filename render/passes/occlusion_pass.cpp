@@ -1,0 +1,289 @@
+#include "render/passes/pass.h"
+
+#include <array>
+#include <tuple>
+
+#include "render/passes/shader_parts.h"
+
+namespace wry::render {
+namespace {
+
+/// Distance along the view axis of every second pixel, floor included.
+const char* const DISTANCE_MAIN = R"(
+uniform sampler2D depth_map;
+layout(location = 0) out float distance_out;
+void main() {
+  ivec2 pixel = min(ivec2(gl_FragCoord.xy) * 2, textureSize(depth_map, 0) - 1);
+  float depth = texelFetch(depth_map, pixel, 0).x;
+  float ground = distance_to_ground(ray_through(vec2(pixel) + 0.5));
+  distance_out = depth > 0.0 ? near_distance / depth : (ground > 0.0 ? ground : 1e9);
+})";
+
+/// Ambient visibility from the horizons of two slices (Jimenez et al. 2016), and the mean distance of what stands
+/// between the surface and the key light (Fernando 2005). The 4 x 4 pattern of directions is averaged by the next pass.
+const char* const SEARCH_MAIN = R"(
+uniform sampler2D distance_map;
+uniform usampler2D surface_map;
+uniform sampler2D shadow_depth_map;
+uniform int shadowed;
+layout(location = 0) out vec4 found; // visibility, blocker distance * share, share, distance
+
+const int SLICES = 2;
+const int STEPS = 4;
+const float ORDER[16] = float[](0.0, 8.0, 2.0, 10.0, 12.0, 4.0, 14.0, 6.0, 3.0, 11.0, 1.0, 9.0, 15.0, 7.0, 13.0, 5.0);
+
+float fast_acos(float x) {
+  float a = abs(x);
+  float angle = sqrt(1.0 - a) * (1.5707963 + a * (-0.2121144 + 0.0742610 * a));
+  return x >= 0.0 ? angle : PI - angle;
+}
+
+float visibility(ivec2 half_pixel, vec3 ray, float z, vec3 n, float turn, float phase) {
+  vec3 p = ray * z;
+  vec3 v = -normalize(ray);
+  float reach = 0.30 * scene_radius;
+  float pixels_per_metre = 0.25 * size.x / (length(ray_right) * z);
+  float pixels = min(reach * pixels_per_metre, 0.125 * size.x);
+  vec3 right = normalize(ray_right);
+  vec3 up = normalize(ray_up);
+  ivec2 last = textureSize(distance_map, 0) - 1;
+  float sum = 0.0;
+  for (int slice = 0; slice < SLICES; ++slice) {
+    float angle = (float(slice) + turn) * (PI / float(SLICES));
+    vec2 direction = vec2(cos(angle), sin(angle));
+    vec3 along = right * direction.x + up * direction.y;
+    vec3 ortho = along - v * dot(along, v);
+    vec3 axis = normalize(cross(ortho, v));
+    vec3 in_slice = n - axis * dot(n, axis);
+    float in_length = length(in_slice) + 1e-6;
+    float cosine_n = clamp(dot(in_slice, v) / in_length, 0.0, 1.0);
+    float angle_n = (dot(in_slice, ortho) >= 0.0 ? 1.0 : -1.0) * fast_acos(cosine_n);
+    float sine_n = sin(angle_n);
+    vec2 lowest = vec2(-sine_n, sine_n); // cosines of the horizons where nothing stands
+    vec2 highest = lowest;
+    for (int k = 0; k < STEPS; ++k) {
+      float s = (float(k) + phase) / float(STEPS);
+      vec2 offset = direction * max(s * s * pixels, 1.0 + float(k));
+      for (int side = 0; side < 2; ++side) {
+        ivec2 wanted = half_pixel + ivec2(round(side == 0 ? offset : -offset));
+        ivec2 tap = clamp(wanted, ivec2(0), last);
+        vec3 there = ray_through(vec2(tap * 2) + 0.5) * texelFetch(distance_map, tap, 0).x - p;
+        float square = dot(there, there);
+        float fade = clamp(1.0 - square / (reach * reach), 0.0, 1.0);
+        fade = tap == wanted ? fade : 0.0; // nothing is known beyond the picture
+        float cosine = mix(lowest[side], dot(there, v) * inversesqrt(square + 1e-20), fade);
+        highest[side] = max(highest[side], cosine);
+      }
+    }
+    float h0 = fast_acos(clamp(highest[0], -1.0, 1.0));
+    float h1 = -fast_acos(clamp(highest[1], -1.0, 1.0));
+    h0 = angle_n + min(h0 - angle_n, 0.5 * PI);
+    h1 = angle_n + max(h1 - angle_n, -0.5 * PI);
+    sum += in_length * 0.25 * ((cosine_n + 2.0 * h0 * sine_n - cos(2.0 * h0 - angle_n)) +
+                               (cosine_n + 2.0 * h1 * sine_n - cos(2.0 * h1 - angle_n)));
+  }
+  return 1.06 * sum / float(SLICES); // an open floor is open, whatever the taps were rounded to; may exceed 1 until the mean
+}
+
+vec2 blockers(vec3 position, vec3 normal, float turn) {
+  vec3 place = shadow_place(position, normal);
+  vec2 slope = shadow_slope(normal);
+  float radius = min(1.4 * shadow_spread * shadow_depth, 0.12 * shadow_extent) / shadow_extent;
+  vec2 sum = vec2(0.0);
+  for (int i = 0; i < 8; ++i) {
+    float angle = 2.3999632 * (float(i) + turn * 16.0);
+    vec2 offset = vec2(cos(angle), sin(angle)) * (radius * sqrt((float(i) + 0.5) / 8.0));
+    float depth = textureLod(shadow_depth_map, place.xy + offset, 0.0).x;
+    float gap = (min(place.z + dot(slope, offset), 0.9999) - depth) * shadow_depth - 0.5 * shadow_texel;
+    sum += gap > 0.0 ? vec2(gap, 1.0) : vec2(0.0);
+  }
+  return sum / 8.0;
+}
+
+void main() {
+  ivec2 half_pixel = ivec2(gl_FragCoord.xy);
+  ivec2 pixel = min(half_pixel * 2, textureSize(surface_map, 0) - 1);
+  float z = texelFetch(distance_map, half_pixel, 0).x;
+  if (z >= 1e8) {
+    found = vec4(1.0, 0.0, 0.0, 6e4);
+    return;
+  }
+  vec3 ray = ray_through(vec2(pixel) + 0.5);
+  uvec2 surface = texelFetch(surface_map, pixel, 0).xy;
+  vec3 n = surface.x != 0u ? from_octahedral(unpackSnorm2x16(surface.y)) : world_up;
+  float order = ORDER[(half_pixel.x & 3) + 4 * (half_pixel.y & 3)];
+  float turn = (order + 0.5) / 16.0;
+  float phase = fract(turn * 7.0 + 0.25);
+  float seen = visibility(half_pixel, ray, z, n, turn, phase);
+  vec2 blocked = shadowed >= 0 ? blockers(eye + ray * z, n, turn) : vec2(0.0);
+  found = vec4(seen, blocked, z / scene_radius);
+})";
+
+/// Mean of 4 x 4 neighbours at about the same distance: along x at half size, then along y while enlarging.
+const char* const MEAN_X_MAIN = R"(
+uniform sampler2D found_map;
+layout(location = 0) out vec4 mean;
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  int last = textureSize(found_map, 0).x - 1;
+  vec4 centre = texelFetch(found_map, pixel, 0);
+  vec4 sum = vec4(centre.xyz, 1.0);
+  for (int i = -2; i <= 1; ++i) {
+    vec4 tap = texelFetch(found_map, ivec2(clamp(pixel.x + (i < 0 ? i : i + 1), 0, last), pixel.y), 0);
+    float weight = max(0.0, 1.0 - abs(tap.w - centre.w) / (0.02 * centre.w));
+    sum += vec4(tap.xyz, 1.0) * weight * (i == -2 || i == 1 ? 0.5 : 1.0);
+  }
+  mean = vec4(sum.xyz / sum.w, centre.w);
+})";
+
+const char* const ENLARGE_MAIN = R"(
+uniform sampler2D found_map;
+uniform sampler2D depth_map;
+layout(location = 0) out vec4 occlusion; // visibility, blocker distance / reach of the light, share, 1
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  float depth = texelFetch(depth_map, pixel, 0).x;
+  float ground = distance_to_ground(ray_through(gl_FragCoord.xy));
+  float z = (depth > 0.0 ? near_distance / depth : (ground > 0.0 ? ground : 6e4 * scene_radius)) / scene_radius;
+  ivec2 last = textureSize(found_map, 0) - 1;
+  ivec2 half_pixel = pixel / 2;
+  int beside = half_pixel.x + (pixel.x & 1);
+  vec4 sum = vec4(0.0);
+  for (int i = -2; i <= 2; ++i) {
+    int row = clamp(half_pixel.y + i, 0, last.y);
+    // Four rows' worth about the pixel: it lies on a row, or between two.
+    float share = (pixel.y & 1) == 0 ? (i == -2 || i == 2 ? 0.5 : 1.0) : (i == -2 ? 0.0 : 1.0);
+    vec4 tap = texelFetch(found_map, ivec2(min((i & 1) == 0 ? half_pixel.x : beside, last.x), row), 0);
+    float near_by = 0.012 * z / (0.012 * z + abs(tap.w - z));
+    float weight = near_by * near_by * share;
+    sum += vec4(tap.xyz, 1.0) * weight;
+  }
+  sum.xyz /= sum.w;
+  occlusion = vec4(sum.x, sum.y / max(sum.z, 1e-4) / shadow_depth, sum.z, 1.0);
+})";
+
+struct OcclusionPrograms {
+  Program distance;
+  Program search;
+  Program mean_x;
+  Program enlarge;
+};
+
+struct OcclusionTargets {
+  GlObject distance;
+  GlObject found;
+  GlObject mean;
+  GlObject distance_frame;
+  GlObject found_frame;
+  GlObject mean_frame;
+  GlObject occlusion_frame;
+  GlObject plain_sampler; ///< reads the shadow map's depths instead of comparing with them
+};
+
+/// How much of the surroundings each point sees, and how wide the key light's penumbra is there. Once per picture.
+class OcclusionPass final : public Pass {
+public:
+  OcclusionPass(const PassResources& resources, OcclusionPrograms programs, OcclusionTargets targets)
+      : m_resources(resources)
+      , m_programs(std::move(programs))
+      , m_targets(std::move(targets)) {}
+
+  void draw(const SubFrame& sub_frame) override {
+    const GlFunctions& gl = m_resources.gl;
+    const Targets& shared = m_resources.targets;
+    const std::array<float, 4> open = {1.f, 0.f, 0.f, 1.f};
+    gl.Disable(GL_DEPTH_TEST);
+    gl.Disable(GL_BLEND);
+    gl.ClearNamedFramebufferfv(m_targets.occlusion_frame.name(), GL_COLOR, 0, open.data());
+    const PixelRect half = halved(sub_frame.touched);
+    step(m_programs.distance, m_targets.distance_frame, shared.half_size,
+         {0, 0, shared.half_size.width, shared.half_size.height}, sub_frame, {{{"depth_map", shared.depth.name()}}});
+    gl.BindSampler(2, m_targets.plain_sampler.name());
+    step(m_programs.search, m_targets.found_frame, shared.half_size, half, sub_frame,
+         {{{"distance_map", m_targets.distance.name()},
+           {"surface_map", shared.surface.name()},
+           {"shadow_depth_map", shared.shadow.name()}}});
+    gl.BindSampler(2, 0);
+    step(m_programs.mean_x, m_targets.mean_frame, shared.half_size, half, sub_frame,
+         {{{"found_map", m_targets.found.name()}}});
+    step(m_programs.enlarge, m_targets.occlusion_frame, shared.size, sub_frame.touched, sub_frame,
+         {{{"found_map", m_targets.mean.name()}, {"depth_map", shared.depth.name()}}});
+  }
+
+private:
+  using Inputs = std::vector<std::pair<const char*, GLuint>>;
+
+  static PixelRect halved(const PixelRect& full) {
+    constexpr int REACH = 3; // what the next steps read beside it
+    return {std::max(full.x / 2 - REACH, 0), std::max(full.y / 2 - REACH, 0), (full.width + 3) / 2 + 2 * REACH,
+            (full.height + 3) / 2 + 2 * REACH};
+  }
+
+  void step(const Program& program, const GlObject& frame, const ImageSize& size, const PixelRect& rect,
+            const SubFrame& sub_frame, const Inputs& inputs) {
+    const GlFunctions& gl = m_resources.gl;
+    gl.BindFramebuffer(GL_FRAMEBUFFER, frame.name());
+    gl.Viewport(0, 0, size.width, size.height);
+    program.use();
+    set_camera_part(program, sub_frame, m_resources.plan, m_resources.targets.size);
+    set_shadow_space_part(program, sub_frame.lights);
+    program.set("shadowed", sub_frame.lights.shadowed);
+    for (std::size_t unit = 0; unit < inputs.size(); ++unit) {
+      gl.BindTextureUnit(static_cast<GLuint>(unit), inputs[unit].second);
+      program.set(inputs[unit].first, static_cast<int>(unit));
+    }
+    draw_in_rect(gl, rect);
+  }
+
+  PassResources m_resources;
+  OcclusionPrograms m_programs;
+  OcclusionTargets m_targets;
+};
+
+Result<OcclusionTargets> make_occlusion_targets(const PassResources& resources) {
+  const GlFunctions& gl = resources.gl;
+  const ImageSize& half = resources.targets.half_size;
+  OcclusionTargets targets;
+  targets.distance = make_texture(gl, GL_R32F, half.width, half.height, TextureFilter::nearest);
+  targets.found = make_texture(gl, GL_RGBA16F, half.width, half.height, TextureFilter::nearest);
+  targets.mean = make_texture(gl, GL_RGBA16F, half.width, half.height, TextureFilter::nearest);
+  for (const auto& [frame, texture] :
+       {std::pair(&targets.distance_frame, targets.distance.name()),
+        std::pair(&targets.found_frame, targets.found.name()), std::pair(&targets.mean_frame, targets.mean.name()),
+        std::pair(&targets.occlusion_frame, resources.targets.occlusion.name())}) {
+    Result<GlObject> made = make_framebuffer(gl, texture, 0);
+    if (!made.ok())
+      return made.error();
+    *frame = std::move(*made);
+  }
+  GLuint sampler = 0;
+  gl.CreateSamplers(1, &sampler);
+  targets.plain_sampler = GlObject(gl, sampler, [](const GlFunctions& f, GLuint n) { f.DeleteSamplers(1, &n); });
+  for (const auto& [what, value] :
+       {std::pair(GL_TEXTURE_COMPARE_MODE, GL_NONE), std::pair(GL_TEXTURE_MIN_FILTER, GL_NEAREST),
+        std::pair(GL_TEXTURE_MAG_FILTER, GL_NEAREST), std::pair(GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE),
+        std::pair(GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE)})
+    gl.SamplerParameteri(sampler, static_cast<GLenum>(what), value);
+  return targets;
+}
+
+} // namespace
+
+Result<std::unique_ptr<Pass>> create_occlusion_pass(const PassResources& resources) {
+  OcclusionPrograms programs;
+  for (const auto& [program, what, main] :
+       {std::tuple(&programs.distance, "distance", DISTANCE_MAIN), std::tuple(&programs.search, "search", SEARCH_MAIN),
+        std::tuple(&programs.mean_x, "mean", MEAN_X_MAIN), std::tuple(&programs.enlarge, "enlarge", ENLARGE_MAIN)}) {
+    Result<Program> made = Program::create(resources.gl, what, FULL_SCREEN_VERTEX_SHADER,
+                                           std::string("#version 450 core\n") + CAMERA_PART + SHADOW_SPACE_PART + main);
+    if (!made.ok())
+      return made.error();
+    *program = std::move(*made);
+  }
+  Result<OcclusionTargets> targets = make_occlusion_targets(resources);
+  if (!targets.ok())
+    return targets.error();
+  return std::unique_ptr<Pass>(std::make_unique<OcclusionPass>(resources, std::move(programs), std::move(*targets)));
+}
+
+} // namespace wry::render

@@ -1,0 +1,48 @@
+#include "sim/fem/element_projection.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace wry::fem {
+
+namespace {
+
+/// Share of the largest diagonal entry that passes for round-off: rigid motions have eigenvalue zero.
+constexpr double ROUND_OFF = 1e-9;
+
+template <int D, class Body> void for_each_entry(const Body& body) {
+  int block = 0;
+  for (int k = 0; k < 4; ++k) {
+    for (int l = k; l < 4; ++l, ++block) {
+      for (int i = 0; i < D; ++i) {
+        for (int j = 0; j < D; ++j)
+          body((block * D + i) * D + j, k * D + i, l * D + j);
+      }
+    }
+  }
+}
+
+} // namespace
+
+template <int D> bool project_element(double* hessian, int lane) {
+  using Matrix = Eigen::Matrix<double, 4 * D, 4 * D>;
+  Matrix element;
+  for_each_entry<D>([&](int entry, int row, int column) {
+    element(row, column) = element(column, row) = hessian[entry * LANES + lane];
+  });
+  const double scale = element.diagonal().cwiseAbs().maxCoeff();
+  Matrix shifted = element;
+  shifted.diagonal().array() += ROUND_OFF * scale;
+  if (Eigen::LLT<Matrix>(shifted).info() == Eigen::Success)
+    return false;
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(element);
+  const Matrix clamped =
+      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
+  for_each_entry<D>([&](int entry, int row, int column) { hessian[entry * LANES + lane] = clamped(row, column); });
+  return true;
+}
+
+template bool project_element<3>(double*, int);
+template bool project_element<6>(double*, int);
+
+} // namespace wry::fem

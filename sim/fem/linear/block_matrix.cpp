@@ -1,0 +1,273 @@
+#include "sim/fem/linear/block_matrix.h"
+
+#include <algorithm>
+
+namespace wry::fem {
+
+namespace {
+
+constexpr int PADDING = 8; // entries that vector loads may read past the last block
+constexpr std::size_t ROW_GRAIN = 512;
+
+void build_pattern(BlockMatrix::Section& section, const std::vector<std::array<std::int32_t, 4>>& tets) {
+  const int first = section.nodes.first_node;
+  const int count = section.nodes.node_count;
+  std::vector<std::vector<std::int32_t>> rows(count);
+  for (int node = 0; node < count; ++node)
+    rows[node].push_back(node);
+  for (const std::array<std::int32_t, 4>& tet : tets) {
+    if (tet[0] < first || tet[0] >= first + count)
+      continue;
+    for (int k = 0; k < 4; ++k) {
+      for (int l = k + 1; l < 4; ++l)
+        rows[tet[k] - first].push_back(tet[l] - first);
+    }
+  }
+  section.row_begin.assign(1, 0);
+  for (std::vector<std::int32_t>& row : rows) {
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+    section.column.insert(section.column.end(), row.begin(), row.end());
+    section.row_begin.push_back(static_cast<std::int64_t>(section.column.size()));
+  }
+  const std::size_t entries = section.column.size() * section.nodes.dofs * section.nodes.dofs + PADDING;
+  section.values.assign(entries, 0.0);
+  section.single.assign(entries, 0.0f);
+}
+
+} // namespace
+
+BlockMatrix::BlockMatrix(const DofLayout& layout, const std::vector<std::array<std::int32_t, 4>>& tets, Isa isa)
+    : m_layout(&layout)
+    , m_isa(isa)
+    , m_products(select_block_products(isa)) {
+  for (const NodeSection& nodes : layout.sections()) {
+    Section& section = m_sections.emplace_back();
+    section.nodes = nodes;
+    build_pattern(section, tets);
+    cut_into_chunks(static_cast<int>(m_sections.size()) - 1);
+  }
+  find_spill_sources();
+  m_single_spills.assign(m_spill_count, 0.0f);
+  m_double_spills.assign(m_spill_count, 0.0);
+  m_partial_dots.assign(m_chunks.size(), 0.0);
+}
+
+void BlockMatrix::cut_into_chunks(int section_index) {
+  const Section& section = m_sections[section_index];
+  const int count = section.nodes.node_count;
+  int span = 0;
+  for (int row = 0; row < count; ++row)
+    span = std::max(span, section.column[section.row_begin[row + 1] - 1] - row);
+  // Long enough that spills are cheap beside blocks, short enough that eight threads find work.
+  const int shortest = section.nodes.dofs == 3 ? 256 : 128;
+  const int length = std::max(shortest, std::min(span, count / 8));
+  for (int begin = 0; begin < count; begin += length) {
+    Chunk chunk;
+    chunk.section = section_index;
+    chunk.begin = begin;
+    chunk.end = std::min(count, begin + length);
+    int furthest = chunk.end - 1;
+    for (int row = begin; row < chunk.end; ++row)
+      furthest = std::max(furthest, section.column[section.row_begin[row + 1] - 1]);
+    chunk.spill_nodes = furthest - chunk.end + 1;
+    chunk.spill_begin = m_spill_count;
+    m_spill_count += static_cast<std::size_t>(chunk.spill_nodes) * section.nodes.stride();
+    m_chunks.push_back(chunk);
+  }
+}
+
+void BlockMatrix::find_spill_sources() {
+  for (std::size_t index = 0; index < m_chunks.size(); ++index) {
+    Chunk& chunk = m_chunks[index];
+    chunk.first_source = index;
+    for (std::size_t other = index; other-- > 0 && m_chunks[other].section == chunk.section;) {
+      if (m_chunks[other].end + m_chunks[other].spill_nodes > chunk.begin)
+        chunk.first_source = other;
+    }
+  }
+}
+
+std::int64_t BlockMatrix::find(int row, int column) const {
+  for (const Section& section : m_sections) {
+    const int local_row = row - section.nodes.first_node;
+    if (local_row >= section.nodes.node_count)
+      continue;
+    const auto begin = section.column.begin() + section.row_begin[local_row];
+    const auto end = section.column.begin() + section.row_begin[local_row + 1];
+    const auto found = std::lower_bound(begin, end, column - section.nodes.first_node);
+    if (found == end || *found != column - section.nodes.first_node)
+      return -1;
+    return found - section.column.begin();
+  }
+  return -1;
+}
+
+void BlockMatrix::add_velocity_diagonal(int node, const double* block3x3) {
+  for (Section& section : m_sections) {
+    const int row = node - section.nodes.first_node;
+    if (row >= section.nodes.node_count)
+      continue;
+    const int d = section.nodes.dofs;
+    double* block = section.values.data() + section.row_begin[row] * d * d;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j)
+        block[i * d + j] += block3x3[i * 3 + j];
+    }
+    return;
+  }
+}
+
+void BlockMatrix::set_zero(const Threads& threads) {
+  for (Section& section : m_sections) {
+    threads.for_chunks(section.values.size(), 1 << 16, [&](std::size_t begin, std::size_t end) {
+      std::fill(section.values.begin() + begin, section.values.begin() + end, 0.0);
+    });
+  }
+}
+
+void BlockMatrix::hold(const std::vector<char>& held, const Threads& threads) {
+  for (Section& section : m_sections) {
+    const int d = section.nodes.dofs;
+    const char* mask = held.data() + section.nodes.first_dof;
+    std::vector<char> node_held(section.nodes.node_count);
+    for (int node = 0; node < section.nodes.node_count; ++node)
+      node_held[node] = std::any_of(mask + node * d, mask + (node + 1) * d, [](char value) { return value != 0; });
+    threads.for_each(section.nodes.node_count, ROW_GRAIN, [&](std::size_t row) {
+      for (std::int64_t k = section.row_begin[row]; k < section.row_begin[row + 1]; ++k) {
+        const std::size_t column = section.column[k];
+        if (!node_held[row] && !node_held[column])
+          continue;
+        double* block = section.values.data() + k * d * d;
+        for (int i = 0; i < d; ++i) {
+          for (int j = 0; j < d; ++j) {
+            if (mask[row * d + i] || mask[column * d + j])
+              block[i * d + j] = (column == row && i == j) ? 1.0 : 0.0;
+          }
+        }
+      }
+    });
+  }
+}
+
+void BlockMatrix::update_single(const Threads& threads) {
+  for (Section& section : m_sections) {
+    threads.for_chunks(section.values.size(), 1 << 16, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        section.single[i] = static_cast<float>(section.values[i]);
+    });
+  }
+}
+
+void BlockMatrix::diagonal(std::vector<double>& out) const {
+  out.resize(m_layout->dof_count());
+  for (const Section& section : m_sections) {
+    const int d = section.nodes.dofs;
+    for (int row = 0; row < section.nodes.node_count; ++row) {
+      for (int i = 0; i < d; ++i)
+        out[section.nodes.first_dof + static_cast<std::size_t>(row) * d + i] =
+            section.values[section.row_begin[row] * d * d + i * d + i];
+    }
+  }
+}
+
+template <> const float* BlockMatrix::values_of<float>(const Section& section) const {
+  return section.single.data();
+}
+template <> const double* BlockMatrix::values_of<double>(const Section& section) const {
+  return section.values.data();
+}
+template <> AlignedVector<float>& BlockMatrix::spills<float>() const {
+  return m_single_spills;
+}
+template <> AlignedVector<double>& BlockMatrix::spills<double>() const {
+  return m_double_spills;
+}
+
+template <class Scalar> double BlockMatrix::gather_spills(std::size_t index, const Scalar* x, Scalar* y) const {
+  const Chunk& chunk = m_chunks[index];
+  const NodeSection& nodes = m_sections[chunk.section].nodes;
+  const int stride = nodes.stride();
+  for (std::size_t other = chunk.first_source; other < index; ++other) {
+    const Chunk& source = m_chunks[other];
+    const Scalar* spill = spills<Scalar>().data() + source.spill_begin;
+    const int begin = std::max(chunk.begin, source.end);
+    const int end = std::min(chunk.end, source.end + source.spill_nodes);
+    for (int node = begin; node < end; ++node) {
+      for (int i = 0; i < nodes.dofs; ++i)
+        y[node * stride + i] += spill[(node - source.end) * stride + i];
+    }
+  }
+  return block_functions<Scalar>(m_products, nodes.dofs).dot(chunk.begin, chunk.end, x, y);
+}
+
+template <class Scalar>
+double BlockMatrix::multiply(const AlignedVector<Scalar>& x, AlignedVector<Scalar>& y, const Threads& threads) const {
+  threads.for_each(m_chunks.size(), 1, [&](std::size_t index) {
+    const Chunk& chunk = m_chunks[index];
+    const Section& section = m_sections[chunk.section];
+    const BlockRows<Scalar> rows{section.row_begin.data(), section.column.data(), values_of<Scalar>(section)};
+    const std::size_t first = section.nodes.first_padded;
+    functions<Scalar>(section).product(rows, chunk.begin, chunk.end, x.data() + first, y.data() + first,
+                                       spills<Scalar>().data() + chunk.spill_begin, chunk.spill_nodes);
+  });
+  threads.for_each(m_chunks.size(), 8, [&](std::size_t index) {
+    const std::size_t first = m_sections[m_chunks[index].section].nodes.first_padded;
+    m_partial_dots[index] = gather_spills(index, x.data() + first, y.data() + first);
+  });
+  double dot = 0.0;
+  for (const double partial : m_partial_dots)
+    dot += partial;
+  return dot;
+}
+
+template double BlockMatrix::multiply<float>(const AlignedVector<float>&, AlignedVector<float>&, const Threads&) const;
+template double BlockMatrix::multiply<double>(const AlignedVector<double>&, AlignedVector<double>&,
+                                              const Threads&) const;
+
+std::size_t BlockMatrix::memory_bytes() const {
+  std::size_t bytes = m_spill_count * (sizeof(float) + sizeof(double));
+  for (const Section& section : m_sections)
+    bytes += section.values.size() * (sizeof(double) + sizeof(float)) + section.column.size() * sizeof(std::int32_t);
+  return bytes;
+}
+
+double BlockMatrix::entry_count() const {
+  double count = 0.0;
+  for (const Section& section : m_sections)
+    count += static_cast<double>(section.values.size());
+  return count;
+}
+
+template <class Scalar>
+void pad(const DofLayout& layout, const std::vector<double>& packed, AlignedVector<Scalar>& padded) {
+  padded.assign(layout.padded_count(), Scalar(0));
+  for (const NodeSection& section : layout.sections()) {
+    const double* in = packed.data() + section.first_dof;
+    Scalar* out = padded.data() + section.first_padded;
+    for (int node = 0; node < section.node_count; ++node) {
+      for (int i = 0; i < section.dofs; ++i)
+        out[node * section.stride() + i] = static_cast<Scalar>(in[node * section.dofs + i]);
+    }
+  }
+}
+
+template <class Scalar>
+void unpad(const DofLayout& layout, const AlignedVector<Scalar>& padded, std::vector<double>& packed) {
+  packed.resize(layout.dof_count());
+  for (const NodeSection& section : layout.sections()) {
+    double* out = packed.data() + section.first_dof;
+    const Scalar* in = padded.data() + section.first_padded;
+    for (int node = 0; node < section.node_count; ++node) {
+      for (int i = 0; i < section.dofs; ++i)
+        out[node * section.dofs + i] = static_cast<double>(in[node * section.stride() + i]);
+    }
+  }
+}
+
+template void pad<float>(const DofLayout&, const std::vector<double>&, AlignedVector<float>&);
+template void pad<double>(const DofLayout&, const std::vector<double>&, AlignedVector<double>&);
+template void unpad<float>(const DofLayout&, const AlignedVector<float>&, std::vector<double>&);
+template void unpad<double>(const DofLayout&, const AlignedVector<double>&, std::vector<double>&);
+
+} // namespace wry::fem

@@ -1,0 +1,65 @@
+#include "sim/fem/linear/solver_cost.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace wry::fem {
+
+namespace {
+
+constexpr double FACTOR_FLOPS_PER_SECOND = 10e9;
+constexpr double FACTOR_ENTRIES_PER_SECOND = 120e6; // assembly of supernodes
+constexpr double SOLVE_ENTRIES_PER_SECOND = 0.4e9;
+constexpr double DOUBLE_ENTRIES_PER_SECOND = 3e9;
+constexpr double SINGLE_ENTRIES_PER_SECOND = 5e9;
+constexpr double VECTOR_UNKNOWNS_PER_SECOND = 0.6e9;
+
+/// Block-Jacobi iterations that one Newton direction (relative residual about 1e-3) takes.
+double expected_iterations(const SolverDemand& demand) {
+  return 6.0 + 9.0 * std::min(demand.wave_crossing, 1.5 * demand.longest_path);
+}
+
+constexpr double STALE_ITERATIONS = 5.0;
+constexpr double SOLVES_PER_STALE_FACTOR = 20.0;
+
+} // namespace
+
+double factor_seconds(const FactorCost& cost) {
+  return cost.flops / FACTOR_FLOPS_PER_SECOND + cost.entries / FACTOR_ENTRIES_PER_SECOND;
+}
+
+double factor_solve_seconds(const FactorCost& cost) {
+  return cost.entries / SOLVE_ENTRIES_PER_SECOND;
+}
+
+double iteration_seconds(const FactorCost& cost, double matrix_entries) {
+  return factor_solve_seconds(cost) + matrix_entries / DOUBLE_ENTRIES_PER_SECOND;
+}
+
+double block_jacobi_seconds(double matrix_entries, double unknowns) {
+  return matrix_entries / SINGLE_ENTRIES_PER_SECOND + unknowns / VECTOR_UNKNOWNS_PER_SECOND;
+}
+
+SolverDecision choose_solver(const SolverDemand& demand) {
+  const double iterations = expected_iterations(demand);
+  const double pcg = iterations * block_jacobi_seconds(demand.matrix_entries, demand.unknowns);
+  if (!demand.factor_available)
+    return {LinearSolver::pcg, fmt::format("{:.0f} unknowns; this build has no direct solver", demand.unknowns)};
+  const double direct = factor_seconds(demand.cost) + factor_solve_seconds(demand.cost);
+  const double stale = STALE_ITERATIONS * iteration_seconds(demand.cost, demand.matrix_entries) +
+                       factor_seconds(demand.cost) / SOLVES_PER_STALE_FACTOR;
+  SolverDecision decision;
+  decision.solver = LinearSolver::pcg;
+  if (direct < pcg || stale < pcg)
+    decision.solver = direct <= stale ? LinearSolver::cholesky : LinearSolver::stale_cholesky;
+  decision.reason =
+      fmt::format("{:.0f} unknowns, a wave crosses {:.1f} edges in a step: per direction about {:.1f} ms by "
+                  "pcg ({:.0f} iterations), {:.1f} ms by a factor ({:.1f} Gflop), {:.1f} ms by a stale one",
+                  demand.unknowns, demand.wave_crossing, 1e3 * pcg, iterations, 1e3 * direct, 1e-9 * demand.cost.flops,
+                  1e3 * stale);
+  return decision;
+}
+
+} // namespace wry::fem

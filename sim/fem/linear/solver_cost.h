@@ -1,0 +1,37 @@
+#pragma once
+
+#include "sim/fem/fem_plan.h"
+#include "sim/fem/linear/sparse_factor.h"
+
+namespace wry::fem {
+
+// Rates of one core, measured once on the reference machine. They enter decisions, so they are constants: what a
+// machine happens to reach today must not change results.
+
+/// Seconds of one factorisation.
+double factor_seconds(const FactorCost& cost);
+/// Seconds of one solve with the factor.
+double factor_solve_seconds(const FactorCost& cost);
+/// Seconds of one iteration preconditioned by a factor: a solve and a product in double.
+double iteration_seconds(const FactorCost& cost, double matrix_entries);
+/// Seconds of one block-Jacobi iteration in float.
+double block_jacobi_seconds(double matrix_entries, double unknowns);
+
+/// What the choice of a solver rests on.
+struct SolverDemand {
+  FactorCost cost; ///< zero when there is no factor to be had
+  bool factor_available = true;
+  double matrix_entries = 0.0; ///< stored
+  double unknowns = 0.0;
+  double wave_crossing = 0.0; ///< largest c dt / h of the bodies: sound speed, step, edge
+  double longest_path = 0.0;  ///< largest number of edges across a body
+};
+
+/// A solver and the reason in words for `wry plan`.
+struct SolverDecision {
+  LinearSolver solver = LinearSolver::pcg;
+  std::string reason;
+};
+SolverDecision choose_solver(const SolverDemand& demand);
+
+} // namespace wry::fem

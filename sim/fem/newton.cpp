@@ -1,0 +1,311 @@
+#include "sim/fem/newton.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+namespace wry::fem {
+
+namespace {
+
+/// Relative residual below which a direction that met negative curvature is taken as it is.
+constexpr double TRUNCATED_RESIDUAL = 0.3;
+constexpr double ARMIJO = 1e-4;
+constexpr int MAX_HALVINGS = 50;
+/// Relative to the sum of the absolute terms: energy changes below this are round-off and decide nothing.
+constexpr double ENERGY_NOISE = 1e-13;
+/// A residual that no longer falls is taken for converged below this multiple of the round-off estimate.
+constexpr double FLOOR_MARGIN = 32.0;
+
+class Stopwatch {
+public:
+  explicit Stopwatch(double& milliseconds)
+      : m_milliseconds(milliseconds)
+      , m_start(std::chrono::steady_clock::now()) {}
+  ~Stopwatch() {
+    m_milliseconds += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - m_start).count();
+  }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+private:
+  double& m_milliseconds;
+  std::chrono::steady_clock::time_point m_start;
+};
+
+struct Evaluation {
+  double energy = 0.0;
+  double magnitude = 0.0; ///< sum of |terms|, the scale of round-off
+  double residual = 0.0;  ///< |gradient| over free unknowns
+  std::vector<double> gradient;
+};
+
+class Minimiser {
+public:
+  Minimiser(const NewtonProblem& problem, const NewtonSettings& settings, const Stage& stage, Trial& trial)
+      : m_problem(problem)
+      , m_settings(settings)
+      , m_stage(stage)
+      , m_trial(trial)
+      , m_next(trial) {}
+
+  NewtonReport run() {
+    evaluate(m_trial, m_now);
+    if (!std::isfinite(m_now.energy) || !std::isfinite(m_now.residual))
+      return give_up("the energy is not finite at the start of the step");
+    while (!converged()) {
+      if (m_report.iterations >= m_settings.max_iterations)
+        return give_up("the Newton iteration limit was reached");
+      if (!find_direction())
+        return give_up("no descent direction was found");
+      ++m_report.iterations;
+      if (!search_line())
+        return at_floor() ? finish() : give_up("the line search found no decrease");
+    }
+    return finish();
+  }
+
+private:
+  NewtonReport finish() {
+    m_report.converged = true;
+    m_report.residual = m_now.residual;
+    return m_report;
+  }
+
+  NewtonReport give_up(const char* trouble) {
+    m_report.trouble = trouble;
+    m_report.residual = m_now.residual;
+    return m_report;
+  }
+
+  bool at_floor() const { return m_now.residual <= FLOOR_MARGIN * m_report.round_off_floor; }
+
+  bool converged() {
+    if (m_now.residual <= m_settings.tolerance)
+      return true;
+    const bool stagnates = m_report.iterations > 0 && m_now.residual > 0.5 * m_previous_residual;
+    return stagnates && at_floor();
+  }
+
+  void evaluate(const Trial& trial, Evaluation& out) {
+    const Stopwatch watch(m_report.evaluate_ms);
+    out.energy = out.magnitude = 0.0;
+    out.gradient.assign(m_problem.model.layout.dof_count(), 0.0);
+    for (const EnergyTerm* term : m_problem.terms) {
+      const double energy = term->add_gradient(m_stage, trial, out.gradient);
+      out.energy += energy;
+      out.magnitude += std::abs(energy);
+    }
+    double sum = 0.0;
+    for (std::size_t i = 0; i < out.gradient.size(); ++i) {
+      if (m_problem.held[i])
+        out.gradient[i] = 0.0;
+      sum += out.gradient[i] * out.gradient[i];
+    }
+    out.residual = std::sqrt(sum);
+  }
+
+  void assemble(Projection projection) {
+    const Stopwatch watch(m_report.assemble_ms);
+    m_problem.matrix.set_zero(m_problem.threads);
+    int projected = 0;
+    for (const EnergyTerm* term : m_problem.terms)
+      projected += term->add_hessian(m_stage, m_trial, projection, m_problem.matrix);
+    m_report.projected_elements += projected;
+    m_report.round_off_floor = estimate_floor();
+    m_problem.matrix.hold(m_problem.held, m_problem.threads);
+    m_problem.matrix.update_single(m_problem.threads);
+  }
+
+  /// How large the residual can be from rounding positions and momenta alone: each force is a stiffness times a
+  /// position.
+  double estimate_floor() {
+    const FemModel& model = m_problem.model;
+    m_problem.matrix.diagonal(m_diagonal);
+    double sum = 0.0;
+    for (int node = 0; node < model.layout.node_count(); ++node) {
+      const double place = m_trial.positions.row(node).norm();
+      const double momentum =
+          model.mass[node] * (m_trial.velocities.row(node).norm() + m_stage.beta * model.gravity.norm());
+      for (int i = 0; i < model.layout.dofs(node); ++i) {
+        const std::size_t dof = model.layout.dof(node) + i;
+        if (m_problem.held[dof])
+          continue;
+        double noise = 0.0;
+        if (i < 3) {
+          noise = std::max(0.0, m_diagonal[dof] - model.mass[node]) / m_stage.beta * place + momentum;
+        } else {
+          const double coupling = std::sqrt(std::abs(m_diagonal[dof] * m_diagonal[dof - 3]));
+          noise = (std::abs(m_diagonal[dof]) + coupling * place) / m_stage.beta;
+        }
+        sum += noise * noise;
+      }
+    }
+    return std::numeric_limits<double>::epsilon() * std::sqrt(sum);
+  }
+
+  double linear_tolerance() const {
+    if (m_settings.linear_tolerance > 0.0)
+      return m_settings.linear_tolerance;
+    const double progress = m_report.iterations == 0 ? 1.0 : m_now.residual / m_first_residual;
+    const double wanted = std::min(1e-2, 0.1 * std::sqrt(progress));
+    const double enough = 0.3 * m_settings.tolerance / m_now.residual;
+    return std::clamp(wanted, std::min(enough, 1e-2), 1e-2);
+  }
+
+  /// True if m_direction is a descent direction.
+  bool solve() {
+    const Stopwatch watch(m_report.solve_ms);
+    for (std::size_t i = 0; i < m_right_side.size(); ++i)
+      m_right_side[i] = -m_now.gradient[i];
+    const std::function<const std::vector<Mat3>&()> rotations = [&]() -> const std::vector<Mat3>& {
+      return m_problem.node_rotations(m_trial);
+    };
+    const LinearProblem linear{m_problem.matrix, m_right_side, linear_tolerance(), rotations};
+    const SolveReport report = m_problem.linear.solve(linear, m_direction);
+    m_report.linear_iterations += report.iterations;
+    // A truncated direction that is good enough spares the projection (Dembo and Steihaug 1983).
+    if (report.end == SolveEnd::indefinite && (m_direction.empty() || report.relative_residual > TRUNCATED_RESIDUAL))
+      return false;
+    m_slope = 0.0;
+    for (std::size_t i = 0; i < m_direction.size(); ++i)
+      m_slope += m_direction[i] * m_now.gradient[i];
+    return m_slope < 0.0;
+  }
+
+  bool find_direction() {
+    if (m_report.iterations == 0)
+      m_first_residual = m_now.residual;
+    m_right_side.resize(m_now.gradient.size());
+    Projection projection = m_keep_projecting ? Projection::indefinite_elements : Projection::none;
+    for (double shift = 0.0; shift < 1.0; shift = std::max(1e-6, 100.0 * shift)) {
+      assemble(projection);
+      if (shift > 0.0)
+        add_shift(shift);
+      if (solve())
+        return true;
+      if (projection == Projection::none) {
+        projection = Projection::indefinite_elements;
+        m_keep_projecting = true;
+        assemble(projection);
+        if (solve())
+          return true;
+      }
+    }
+    return false;
+  }
+
+  /// Last resort when even projected elements leave a matrix that is not positive definite in floating point.
+  void add_shift(double shift) {
+    for (BlockMatrix::Section& section : m_problem.matrix.sections()) {
+      const int d = section.nodes.dofs;
+      for (int node = 0; node < section.nodes.node_count; ++node) {
+        double* block = section.values.data() + section.row_begin[node] * d * d;
+        for (int i = 0; i < d; ++i)
+          block[i * d + i] += shift * std::abs(block[i * d + i]) + std::numeric_limits<double>::min();
+      }
+    }
+    m_problem.matrix.update_single(m_problem.threads);
+  }
+
+  void move(double fraction) {
+    const DofLayout& layout = m_problem.model.layout;
+    for (int node = 0; node < layout.node_count(); ++node) {
+      const double* change = m_direction.data() + layout.dof(node);
+      for (int i = 0; i < 3; ++i)
+        m_next.velocities(node, i) = m_trial.velocities(node, i) + fraction * change[i];
+      if (layout.dofs(node) == 6) {
+        for (int i = 0; i < 3; ++i)
+          m_next.angular(node, i) = m_trial.angular(node, i) + fraction * change[3 + i];
+      }
+    }
+    update_trial(m_stage, m_next);
+  }
+
+  double step_limit() {
+    const DofLayout& layout = m_problem.model.layout;
+    m_position_change.resize(layout.node_count(), 3);
+    for (int node = 0; node < layout.node_count(); ++node)
+      m_position_change.row(node) =
+          m_stage.beta * Eigen::Map<const Vec3>(m_direction.data() + layout.dof(node)).transpose();
+    double limit = 1.0;
+    for (const EnergyTerm* term : m_problem.terms)
+      limit = std::min(limit, term->step_limit(m_trial, m_position_change));
+    return limit;
+  }
+
+  bool acceptable(double fraction) const {
+    if (!std::isfinite(m_tried.energy) || !std::isfinite(m_tried.residual))
+      return false;
+    const double change = m_tried.energy - m_now.energy;
+    if (change <= ARMIJO * fraction * m_slope)
+      return true;
+    // Round-off hides the decrease: let the gradient decide.
+    const bool hidden = std::abs(change) <= ENERGY_NOISE * std::max(m_now.magnitude, m_tried.magnitude);
+    return hidden && m_tried.residual <= m_now.residual;
+  }
+
+  bool search_line() {
+    const double limit = step_limit();
+    double fraction = limit;
+    for (int halvings = 0; halvings <= MAX_HALVINGS; ++halvings, fraction *= 0.5) {
+      move(fraction);
+      evaluate(m_next, m_tried);
+      if (acceptable(fraction)) {
+        m_keep_projecting = m_keep_projecting && halvings > 0;
+        std::swap(m_trial, m_next);
+        std::swap(m_now, m_tried);
+        m_previous_residual = m_tried.residual;
+        return true;
+      }
+      ++m_report.halvings;
+      if (at_floor() && halvings > 8)
+        return false;
+    }
+    return false;
+  }
+
+  const NewtonProblem& m_problem;
+  const NewtonSettings& m_settings;
+  const Stage& m_stage;
+  Trial& m_trial;
+  Trial m_next;
+  Evaluation m_now, m_tried;
+  std::vector<double> m_right_side, m_direction, m_diagonal;
+  Points m_position_change;
+  double m_slope = 0.0;
+  double m_first_residual = 0.0;
+  double m_previous_residual = 0.0;
+  bool m_keep_projecting = false;
+  NewtonReport m_report;
+};
+
+} // namespace
+
+NewtonReport sum_of(const NewtonReport& earlier, const NewtonReport& later) {
+  NewtonReport sum = later;
+  sum.iterations += earlier.iterations;
+  sum.linear_iterations += earlier.linear_iterations;
+  sum.halvings += earlier.halvings;
+  sum.projected_elements += earlier.projected_elements;
+  sum.evaluate_ms += earlier.evaluate_ms;
+  sum.assemble_ms += earlier.assemble_ms;
+  sum.solve_ms += earlier.solve_ms;
+  return sum;
+}
+
+void update_trial(const Stage& stage, Trial& trial) {
+  trial.positions = stage.base_positions + stage.beta * trial.velocities;
+  if (trial.angular.rows() == 0)
+    return;
+  trial.increments = stage.beta * trial.angular;
+  if (stage.base_increments.rows() > 0)
+    trial.increments += stage.base_increments;
+}
+
+NewtonReport minimise(const NewtonProblem& problem, const NewtonSettings& settings, const Stage& stage, Trial& trial) {
+  return Minimiser(problem, settings, stage, trial).run();
+}
+
+} // namespace wry::fem

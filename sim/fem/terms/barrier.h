@@ -1,0 +1,22 @@
+#pragma once
+
+namespace wry::fem {
+
+/// The barrier of eq 19 and its derivatives by the distance d, for 0 < d; all zero at and beyond d-hat. Convex and
+/// decreasing. `stiffness` is k_c [N/m].
+struct Barrier {
+  double value = 0.0;  ///< [J]
+  double slope = 0.0;  ///< [N]
+  double second = 0.0; ///< [N/m]
+};
+Barrier evaluate_barrier(double distance, double activation_distance, double stiffness);
+
+/// Smoothed friction: f0 of the slip y and h = friction velocity x dt (spec §5).
+struct SmoothedSlip {
+  double value = 0.0;           ///< f0 [m]
+  double slope_over_slip = 0.0; ///< f0' / y [1/m], finite at y = 0
+  double second = 0.0;          ///< f0'' [1/m]
+};
+SmoothedSlip evaluate_slip(double slip, double smoothing);
+
+} // namespace wry::fem

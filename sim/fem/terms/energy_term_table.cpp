@@ -1,0 +1,19 @@
+#include <array>
+
+#include "sim/fem/terms/energy_term.h"
+#include "sim/fem/terms/node_terms.h"
+
+namespace wry::fem {
+
+std::span<const EnergyTermEntry> energy_term_table() {
+  static constexpr std::array TABLE = {
+      EnergyTermEntry{"inertia", &make_inertia},
+      EnergyTermEntry{"rotary_inertia", &make_rotary_inertia},
+      EnergyTermEntry{"gravity", &make_gravity},
+      EnergyTermEntry{"plane_barrier", &make_plane_barrier},
+      EnergyTermEntry{"plane_friction", &make_plane_friction},
+  };
+  return TABLE;
+}
+
+} // namespace wry::fem

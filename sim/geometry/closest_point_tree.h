@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sim/geometry/surface_mesh.h"
+
+namespace wry::geometry {
+
+/// The point of a surface nearest to a query.
+struct ClosestPoint {
+  Vec3 point = Vec3::Zero();       ///< [m]
+  std::int32_t triangle = -1;      ///< -1 when the tree is empty
+  Vec3 barycentric = Vec3::Zero(); ///< weights of the triangle's corners
+  double distance = 0;             ///< [m], unsigned
+};
+
+/// Exact closest points and signed distances to triangles, through a bounding-volume tree.
+///
+/// The sign is that of the angle-weighted pseudonormal (Baerentzen and Aanaes 2005): exact for a closed, oriented mesh
+/// that does not cross itself. Ties go to the triangle of least index, so answers do not depend on the tree's layout.
+class ClosestPointTree {
+public:
+  explicit ClosestPointTree(const SurfaceMesh& mesh);
+
+  ClosestPoint closest(const Vec3& point) const;
+
+  /// Distance [m], negative inside.
+  double signed_distance(const Vec3& point) const;
+
+  /// Unit pseudonormal of the surface at a closest point: of the face, edge or corner it lies on.
+  Vec3 pseudonormal(const ClosestPoint& closest) const;
+
+  /// Angle-weighted unit normals, a row per vertex; zero where a vertex has no area around it.
+  const Points& vertex_normals() const { return m_vertex_normals; }
+  /// Unit normal of the vertices, interpolated at a closest point.
+  Vec3 smooth_normal(const ClosestPoint& closest) const;
+  const SurfaceMesh& mesh() const { return m_mesh; }
+
+private:
+  struct Node {
+    Vec3 low, high;
+    std::int32_t left = -1; ///< first child; the second follows it. -1 at a leaf
+    std::int32_t begin = 0, end = 0;
+  };
+  void build(std::size_t node, int depth);
+  void make_normals();
+
+  SurfaceMesh m_mesh;
+  std::vector<Node> m_nodes;
+  std::vector<std::int32_t> m_order;
+  Points m_centroids;
+  Points m_face_normals;
+  Points m_vertex_normals;
+  Points m_edge_normals; ///< 3 rows per triangle: edges (0,1), (1,2), (2,0)
+};
+
+} // namespace wry::geometry

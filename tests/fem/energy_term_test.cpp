@@ -1,0 +1,132 @@
+#include "sim/fem/terms/energy_term.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "sim/fem/newton.h"
+#include "sim/fem/terms/barrier.h"
+
+namespace wry::fem {
+namespace {
+
+/// Four nodes of a classic body and four of a micropolar one, near a plane with friction, all moving.
+struct Walk {
+  FemModel model;
+  ContactState contact;
+  Stage stage;
+  Trial trial;
+  std::unique_ptr<BlockMatrix> matrix;
+
+  Walk() {
+    model.layout.append(4, 3);
+    model.layout.append(4, 6);
+    model.mass = {1.0, 2.0, 0.5, 1.5, 1.0, 0.1, 3.0, 0.7};
+    model.rotary_mass = {0.0, 0.0, 0.0, 0.0, 0.2, 0.3, 0.1, 0.5};
+    model.body_of_node = {0, 0, 0, 0, 1, 1, 1, 1};
+    model.planes.push_back({"slope", Vec3(0, -0.01, 0), Vec3(0.6, 0.8, 0.0), 0.4});
+    model.gravity = Vec3(0.3, -9.81, 0.1);
+    model.friction_velocity = 0.5;
+    model.any_micropolar = model.any_rotary = true;
+    contact.distance = 0.05;
+    contact.stiffness = {40.0, 90.0};
+    contact.ignored.assign(8, 0);
+    stage.beta = stage.dt = 0.02;
+    stage.base_positions = stage.start_positions = wavy(0.012, 1.0).cwiseAbs();
+    stage.base_velocities = wavy(0.4, 2.0);
+    stage.base_angular = wavy(0.3, 3.0);
+    trial.velocities = wavy(0.3, 4.0);
+    trial.angular = wavy(0.2, 5.0);
+    update_trial(stage, trial);
+    matrix = std::make_unique<BlockMatrix>(
+        model.layout, std::vector<std::array<std::int32_t, 4>>{{0, 1, 2, 3}, {4, 5, 6, 7}}, native_isa());
+  }
+
+  static Points wavy(double size, double phase) {
+    Points points(8, 3);
+    for (int i = 0; i < 24; ++i)
+      points.data()[i] = size * std::sin(phase + 1.7 * i);
+    return points;
+  }
+
+  void shift(int dof, double by) {
+    for (int node = 0; node < 8; ++node) {
+      const int i = dof - static_cast<int>(model.layout.dof(node));
+      if (i < 0 || i >= model.layout.dofs(node))
+        continue;
+      (i < 3 ? trial.velocities(node, i) : trial.angular(node, i - 3)) += by;
+    }
+    update_trial(stage, trial);
+  }
+};
+
+class EveryEnergyTerm : public ::testing::TestWithParam<std::size_t> {};
+
+TEST_P(EveryEnergyTerm, HasDerivativesThatDifferencesConfirm) {
+  Walk walk;
+  const EnergyTermEntry& entry = energy_term_table()[GetParam()];
+  const std::unique_ptr<EnergyTerm> term = entry.make(walk.model, walk.contact);
+  ASSERT_NE(term, nullptr);
+  EXPECT_EQ(term->name(), entry.name);
+  term->begin_solve(walk.stage, walk.trial);
+  const std::size_t size = walk.model.layout.dof_count();
+  std::vector<double> gradient(size, 0.0);
+  EXPECT_EQ(term->add_gradient(walk.stage, walk.trial, gradient), term->energy(walk.stage, walk.trial));
+  double scale = 0.0;
+  for (const double value : gradient)
+    scale = std::max(scale, std::abs(value));
+  EXPECT_GT(scale, 1e-3) << "the walk does not exercise this term";
+  term->add_hessian(walk.stage, walk.trial, Projection::none, *walk.matrix);
+  constexpr double STEP = 1e-5;
+  for (std::size_t dof = 0; dof < size; ++dof) {
+    AlignedVector<double> unit;
+    AlignedVector<double> column(walk.model.layout.padded_count());
+    std::vector<double> packed(size, 0.0);
+    packed[dof] = 1.0;
+    pad(walk.model.layout, packed, unit);
+    walk.matrix->multiply(unit, column, Threads(1));
+    unpad(walk.model.layout, column, packed);
+    std::vector<double> above(size, 0.0);
+    std::vector<double> below(size, 0.0);
+    walk.shift(static_cast<int>(dof), STEP);
+    const double energy_above = term->add_gradient(walk.stage, walk.trial, above);
+    walk.shift(static_cast<int>(dof), -2.0 * STEP);
+    const double energy_below = term->add_gradient(walk.stage, walk.trial, below);
+    walk.shift(static_cast<int>(dof), STEP);
+    EXPECT_NEAR(gradient[dof], (energy_above - energy_below) / (2.0 * STEP), 1e-7 * std::max(1.0, scale)) << dof;
+    for (std::size_t row = 0; row < size; ++row)
+      EXPECT_NEAR(packed[row], (above[row] - below[row]) / (2.0 * STEP), 1e-6 * std::max(1.0, scale)) << row << dof;
+  }
+}
+
+TEST_P(EveryEnergyTerm, LimitsStepsToWhereItIsFinite) {
+  Walk walk;
+  const std::unique_ptr<EnergyTerm> term = energy_term_table()[GetParam()].make(walk.model, walk.contact);
+  const Points down = Points::Constant(8, 3, -100.0);
+  const double limit = term->step_limit(walk.trial, down);
+  EXPECT_GT(limit, 0.0);
+  walk.trial.positions += limit * down;
+  EXPECT_TRUE(std::isfinite(term->energy(walk.stage, walk.trial)));
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, EveryEnergyTerm, ::testing::Range<std::size_t>(0, energy_term_table().size()),
+                         [](const ::testing::TestParamInfo<std::size_t>& tested) {
+                           return std::string(energy_term_table()[tested.param].name);
+                         });
+
+TEST(Barrier, PushesApartInsideDhatAndNowhereElse) {
+  EXPECT_EQ(evaluate_barrier(0.1, 0.1, 5.0).value, 0.0);
+  EXPECT_EQ(evaluate_barrier(0.2, 0.1, 5.0).slope, 0.0);
+  // b = -k (d - dhat)^2 ln(d / dhat) at half of d-hat: k dhat^2 / 4 ln 2.
+  EXPECT_NEAR(evaluate_barrier(0.05, 0.1, 5.0).value, 5.0 * 0.0025 * std::log(2.0), 1e-15);
+  for (const double share : {0.999, 0.5, 1e-3, 1e-9}) {
+    const Barrier barrier = evaluate_barrier(0.1 * share, 0.1, 5.0);
+    EXPECT_LT(barrier.slope, 0.0);
+    EXPECT_GT(barrier.second, 0.0);
+  }
+  EXPECT_TRUE(std::isinf(evaluate_barrier(0.0, 0.1, 5.0).value));
+  EXPECT_TRUE(std::isinf(evaluate_barrier(-1.0, 0.1, 5.0).value));
+}
+
+} // namespace
+} // namespace wry::fem

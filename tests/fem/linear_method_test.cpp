@@ -1,0 +1,150 @@
+#include "sim/fem/linear/linear_method.h"
+
+#include <cmath>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include "sim/fem/linear/block_matrix.h"
+#include "tests/fem/solvers_of_this_build.h"
+
+namespace wry::fem {
+namespace {
+
+/// Two chains of tets, one with 3 and one with 6 unknowns per node, filled with a definite matrix; long enough that
+/// rows fall into several chunks.
+struct System {
+  static constexpr int NODES = 700;
+  DofLayout layout;
+  std::vector<std::array<std::int32_t, 4>> tets;
+  std::unique_ptr<BlockMatrix> matrix;
+  std::vector<double> right_side;
+
+  explicit System(Isa isa, double shift = 30.0) {
+    layout.append(NODES, 3);
+    layout.append(NODES, 6);
+    for (int first : {0, NODES}) {
+      for (int i = 0; i + 12 < NODES; ++i)
+        tets.push_back({first + i, first + i + 1, first + i + 5, first + i + 12});
+    }
+    matrix = std::make_unique<BlockMatrix>(layout, tets, isa);
+    double wave = 0.0;
+    for (BlockMatrix::Section& section : matrix->sections()) {
+      const int d = section.nodes.dofs;
+      for (int row = 0; row < section.nodes.node_count; ++row) {
+        for (std::int64_t k = section.row_begin[row]; k < section.row_begin[row + 1]; ++k) {
+          double* block = section.values.data() + k * d * d;
+          for (int i = 0; i < d; ++i) {
+            for (int j = 0; j < d; ++j)
+              block[i * d + j] =
+                  section.column[k] == row ? (i == j ? shift + i : 0.1 * (i + j)) : std::sin(wave += 0.7);
+          }
+        }
+      }
+    }
+    matrix->update_single(Threads(1));
+    for (std::size_t i = 0; i < layout.dof_count(); ++i)
+      right_side.push_back(std::cos(0.3 * static_cast<double>(i)));
+  }
+
+  std::vector<double> times(const std::vector<double>& x, int threads = 1) const {
+    AlignedVector<double> in;
+    AlignedVector<double> out(layout.padded_count());
+    pad(layout, x, in);
+    matrix->multiply(in, out, Threads(threads));
+    std::vector<double> y;
+    unpad(layout, out, y);
+    return y;
+  }
+
+  Eigen::MatrixXd dense() const {
+    Eigen::MatrixXd full = Eigen::MatrixXd::Zero(layout.dof_count(), layout.dof_count());
+    for (const BlockMatrix::Section& section : matrix->sections()) {
+      const int d = section.nodes.dofs;
+      for (int row = 0; row < section.nodes.node_count; ++row) {
+        for (std::int64_t k = section.row_begin[row]; k < section.row_begin[row + 1]; ++k) {
+          for (int i = 0; i < d * d; ++i) {
+            const Eigen::Index r = section.nodes.first_dof + row * d + i / d;
+            const Eigen::Index c = section.nodes.first_dof + section.column[k] * d + i % d;
+            full(r, c) = full(c, r) = section.values[k * d * d + i];
+          }
+        }
+      }
+    }
+    return full;
+  }
+};
+
+double difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    most = std::max(most, std::abs(a[i] - b[i]));
+  return most;
+}
+
+TEST(BlockMatrix, MultipliesLikeADenseMatrixOnEveryInstructionSet) {
+  for (const Isa isa : {Isa::sse4, Isa::avx2, Isa::avx512}) {
+    if (isa > native_isa())
+      continue;
+    const System system(isa);
+    const Eigen::VectorXd expected =
+        system.dense() * Eigen::Map<const Eigen::VectorXd>(system.right_side.data(), system.right_side.size());
+    const std::vector<double> product = system.times(system.right_side);
+    EXPECT_LT((Eigen::Map<const Eigen::VectorXd>(product.data(), product.size()) - expected).cwiseAbs().maxCoeff(),
+              1e-11);
+    EXPECT_EQ(difference(system.times(system.right_side, 3), product), 0.0);
+  }
+}
+
+TEST(BlockMatrix, HoldsUnknownsAsIdentityRows) {
+  System system(native_isa());
+  std::vector<char> held(system.layout.dof_count(), 0);
+  held[17] = held[system.layout.dof(System::NODES + 4) + 5] = 1;
+  system.matrix->hold(held, Threads(1));
+  std::vector<double> x = system.right_side;
+  const std::vector<double> before = system.times(x);
+  EXPECT_EQ(before[17], x[17]);
+  x[17] += 100.0;
+  const std::vector<double> after = system.times(x);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    EXPECT_EQ(after[i] == before[i], i != 17) << i;
+}
+
+Result<std::unique_ptr<LinearMethod>> make_method(LinearSolver solver, const System& system, const Threads& threads) {
+  if (solver == LinearSolver::pcg)
+    return make_block_jacobi_pcg(*system.matrix, threads);
+  return solver == LinearSolver::cholesky ? make_cholesky(*system.matrix)
+                                          : make_stale_cholesky(*system.matrix, threads);
+}
+
+class EveryLinearMethod : public ::testing::TestWithParam<LinearSolver> {
+protected:
+  Threads m_threads{1};
+  std::vector<Mat3> m_rotations = std::vector<Mat3>(2 * System::NODES, Mat3::Identity());
+  std::function<const std::vector<Mat3>&()> m_rotate = [this]() -> const std::vector<Mat3>& { return m_rotations; };
+};
+
+TEST_P(EveryLinearMethod, ReachesTheTolerance) {
+  const System system(native_isa());
+  Result<std::unique_ptr<LinearMethod>> method = make_method(GetParam(), system, m_threads);
+  ASSERT_TRUE(method) << method.error().message;
+  for (const double tolerance : {1e-2, 1e-4, 1e-11}) {
+    std::vector<double> solution;
+    const SolveReport report = (*method)->solve({*system.matrix, system.right_side, tolerance, m_rotate}, solution);
+    ASSERT_EQ(report.end, SolveEnd::solved);
+    const std::vector<double> product = system.times(solution);
+    EXPECT_LT(difference(product, system.right_side), 30.0 * tolerance);
+  }
+}
+
+TEST_P(EveryLinearMethod, NoticesThatAMatrixIsIndefinite) {
+  const System system(native_isa(), 0.5);
+  Result<std::unique_ptr<LinearMethod>> method = make_method(GetParam(), system, m_threads);
+  std::vector<double> solution;
+  EXPECT_EQ((*method)->solve({*system.matrix, system.right_side, 1e-8, m_rotate}, solution).end, SolveEnd::indefinite);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, EveryLinearMethod, ::testing::ValuesIn(solvers_of_this_build()));
+
+} // namespace
+} // namespace wry::fem

@@ -1,0 +1,9 @@
+#include "tests/fem/solvers_of_this_build.h"
+
+namespace wry::fem {
+
+std::vector<LinearSolver> solvers_of_this_build() {
+  return {LinearSolver::pcg, LinearSolver::cholesky, LinearSolver::stale_cholesky};
+}
+
+} // namespace wry::fem
