@@ -1,0 +1,43 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sim/base/result.h"
+#include "sim/scene/collider.h"
+
+namespace wry::scene {
+
+/// What a point sees of a collider.
+struct ColliderSample {
+  double distance = 0.0;       ///< [m], negative inside the matter of the collider
+  Vec3 normal = Vec3::UnitY(); ///< unit, away from the collider's matter, in the world
+};
+
+/// How finely meshes are sampled.
+struct ColliderFieldSettings {
+  double voxel = 0.0;      ///< of a closed mesh's level set [m]; usual: half a grid cell
+  double least_wall = 0.0; ///< walls of open boxes and open meshes count as at least this thick [m]
+};
+
+/// Signed distance to a collider at any time, for methods that test points: exact for planes, boxes, spheres and
+/// cylinders, an OpenVDB level set for closed meshes (bounded to the mesh's box: far outside it is a lower bound of the
+/// distance), exact two-sided distance minus half the thickness for open ones. Cheap to copy; queries may run on many
+/// threads.
+class ColliderField {
+public:
+  /// Errors: those of the level set: bad_input, out_of_memory, unavailable without OpenVDB.
+  static Result<ColliderField> create(std::shared_ptr<const Collider> collider, const ColliderFieldSettings& settings);
+
+  const Collider& collider() const { return *m_collider; }
+  /// At a point of the world where the collider is in this pose.
+  ColliderSample sample(const Pose& pose, const Vec3& point) const;
+
+private:
+  struct Shape;
+  ColliderField() = default;
+  std::shared_ptr<const Collider> m_collider;
+  std::shared_ptr<const Shape> m_shape;
+};
+
+} // namespace wry::scene
