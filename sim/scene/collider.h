@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "sim/base/result.h"
 #include "sim/base/types.h"
@@ -35,6 +36,14 @@ struct BoxObstacle {
 
   bool is_container() const;
 };
+/// A solid box in a box's own frame.
+struct BoxPart {
+  Vec3 centre = Vec3::Zero(), size = Vec3::Ones(); ///< [m]
+};
+/// The box itself, or the walls of a container: they touch, but do not overlap. Walls thinner than `least_wall` [m]
+/// grow outward, so that what stands in the container stays where it is.
+std::vector<BoxPart> box_parts(const BoxObstacle& box, double least_wall = 0.0);
+
 struct SphereObstacle {
   Vec3 centre = Vec3::Zero();
   double radius = 1.0;

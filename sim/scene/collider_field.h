@@ -33,8 +33,10 @@ public:
   /// At a point of the world where the collider is in this pose.
   ColliderSample sample(const Pose& pose, const Vec3& point) const;
 
-private:
+  /// The shape alone, made ready for queries; of the implementation.
   struct Shape;
+
+private:
   ColliderField() = default;
   std::shared_ptr<const Collider> m_collider;
   std::shared_ptr<const Shape> m_shape;

@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "sim/base/result.h"
 #include "sim/base/types.h"
 
