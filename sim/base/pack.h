@@ -27,9 +27,20 @@ inline constexpr int WIDTH = PackTraits<double>::WIDTH;
   *reinterpret_cast<PackTraits<double>::Memory*>(to) = value;
 }
 
+[[gnu::always_inline]] inline Pack<float> load(const float* from) {
+  return *reinterpret_cast<const PackTraits<float>::Memory*>(from);
+}
+[[gnu::always_inline]] inline void store(float* to, Pack<float> value) {
+  *reinterpret_cast<PackTraits<float>::Memory*>(to) = value;
+}
+
 /// The same value in every lane.
 [[gnu::always_inline]] inline Real broadcast(double value) {
   return Real{} + value;
+}
+/// The same for either scalar: splat<float>(x).
+template <class T> [[gnu::always_inline]] inline Pack<T> splat(T value) {
+  return Pack<T>{} + value;
 }
 
 /// Lane i is base[stride * index[i] + component].
@@ -51,6 +62,24 @@ inline constexpr int WIDTH = PackTraits<double>::WIDTH;
 }
 [[gnu::always_inline]] inline Real max(Real a, Real b) {
   return a > b ? a : b;
+}
+[[gnu::always_inline]] inline Real min(Real a, Real b) {
+  return a < b ? a : b;
+}
+
+[[gnu::always_inline]] inline Pack<float> sqrt(Pack<float> x) {
+  for (int i = 0; i < PackTraits<float>::WIDTH; ++i)
+    x[i] = __builtin_sqrtf(x[i]);
+  return x;
+}
+[[gnu::always_inline]] inline Pack<float> abs(Pack<float> x) {
+  return reinterpret_cast<Pack<float>>(reinterpret_cast<Pack<std::int32_t>>(x) & INT32_MAX);
+}
+[[gnu::always_inline]] inline Pack<float> max(Pack<float> a, Pack<float> b) {
+  return a > b ? a : b;
+}
+[[gnu::always_inline]] inline Pack<float> min(Pack<float> a, Pack<float> b) {
+  return a < b ? a : b;
 }
 
 /// f - ln(1 + f) without cancellation for 1 + f in [sqrt(1/2), sqrt(2)]: the series of 2 artanh(s), s = f / (2 + f),
