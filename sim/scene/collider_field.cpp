@@ -115,7 +115,7 @@ MadeShape make_solid(const MeshObstacle& mesh, const ColliderFieldSettings& sett
     const Vec3 nearest = point.cwiseMax(field.low()).cwiseMin(field.high());
     const double outside = (point - nearest).norm();
     ColliderSample sample;
-    sample.distance = std::max(field.value(point), outside);
+    sample.distance = outside > 0.0 ? std::max(field.value(point), outside) : field.value(point);
     const Vec3 slope = field.gradient(point);
     const double steepness = slope.norm();
     if (steepness > 1e-3)
