@@ -1,0 +1,58 @@
+#include "sim/contact/box_tree.h"
+
+#include <numeric>
+
+namespace wry::contact {
+
+namespace {
+
+constexpr std::int32_t LEAF_SIZE = 4;
+
+} // namespace
+
+void BoxTree::build(const std::vector<Box>& boxes) {
+  m_nodes.clear();
+  m_members.resize(boxes.size());
+  std::iota(m_members.begin(), m_members.end(), 0);
+  if (boxes.empty())
+    return;
+  build_node(boxes, 0, static_cast<std::int32_t>(boxes.size()));
+  m_leaf_boxes.resize(boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    m_leaf_boxes[i] = boxes[m_members[i]];
+}
+
+std::int32_t BoxTree::build_node(const std::vector<Box>& boxes, std::int32_t begin, std::int32_t end) {
+  Box box = boxes[m_members[begin]];
+  double low[3];
+  double high[3];
+  for (int i = 0; i < 3; ++i)
+    low[i] = high[i] = box.low[i] + box.high[i];
+  for (std::int32_t k = begin; k < end; ++k) {
+    const Box& other = boxes[m_members[k]];
+    box.include(other);
+    for (int i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], other.low[i] + other.high[i]);
+      high[i] = std::max(high[i], other.low[i] + other.high[i]);
+    }
+  }
+  const auto index = static_cast<std::int32_t>(m_nodes.size());
+  m_nodes.push_back({box, begin, end, 0});
+  if (end - begin <= LEAF_SIZE)
+    return index;
+  int axis = 0;
+  for (int i = 1; i < 3; ++i)
+    axis = high[i] - low[i] > high[axis] - low[axis] ? i : axis;
+  const std::int32_t middle = begin + (end - begin) / 2;
+  std::nth_element(m_members.begin() + begin, m_members.begin() + middle, m_members.begin() + end,
+                   [&](std::int32_t a, std::int32_t b) {
+                     const double x = boxes[a].low[axis] + boxes[a].high[axis];
+                     const double y = boxes[b].low[axis] + boxes[b].high[axis];
+                     return x != y ? x < y : a < b;
+                   });
+  build_node(boxes, begin, middle);
+  m_nodes[index].right = build_node(boxes, middle, end);
+  return index;
+}
+
+} // namespace wry::contact

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "sim/base/types.h"
+
+namespace wry::contact {
+
+/// An axis-aligned box [m].
+struct Box {
+  double low[3];
+  double high[3];
+
+  bool meets(const Box& other) const {
+    return low[0] <= other.high[0] && other.low[0] <= high[0] && low[1] <= other.high[1] && other.low[1] <= high[1] &&
+           low[2] <= other.high[2] && other.low[2] <= high[2];
+  }
+  void include(const Box& other) {
+    for (int i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], other.low[i]);
+      high[i] = std::max(high[i], other.high[i]);
+    }
+  }
+  void grow(double by) {
+    for (int i = 0; i < 3; ++i) {
+      low[i] -= by;
+      high[i] += by;
+    }
+  }
+};
+
+/// A binary tree of boxes, halved at the median along the longest side; the same for the same boxes. Storage is kept
+/// between builds.
+class BoxTree {
+public:
+  void build(const std::vector<Box>& boxes);
+
+  /// Calls visit(index) for every box that meets the query, in an order that depends on the boxes only.
+  template <class Visit> void query(const Box& box, const Visit& visit) const {
+    if (m_nodes.empty())
+      return;
+    std::int32_t stack[64];
+    int depth = 0;
+    stack[depth++] = 0;
+    while (depth > 0) {
+      const std::int32_t index = stack[--depth];
+      const Node& node = m_nodes[index];
+      if (!node.box.meets(box))
+        continue;
+      if (node.right != 0) {
+        stack[depth++] = node.right;
+        stack[depth++] = index + 1;
+        continue;
+      }
+      for (std::int32_t i = node.begin; i < node.end; ++i) {
+        if (m_leaf_boxes[i].meets(box))
+          visit(m_members[i]);
+      }
+    }
+  }
+
+private:
+  struct Node {
+    Box box;
+    std::int32_t begin, end;
+    std::int32_t right; ///< the left child follows its parent; 0: a leaf
+  };
+  std::int32_t build_node(const std::vector<Box>& boxes, std::int32_t begin, std::int32_t end);
+
+  std::vector<Node> m_nodes;
+  std::vector<std::int32_t> m_members;
+  std::vector<Box> m_leaf_boxes; ///< in the order of the members
+};
+
+} // namespace wry::contact

@@ -1,0 +1,122 @@
+#include "sim/contact/safe_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "sim/contact/distance.h"
+
+namespace wry::contact {
+
+namespace {
+
+constexpr std::size_t GRAIN = 1024;
+
+/// Collects pairs until a batch is full, then asks.
+class Asker {
+public:
+  Asker(PairKind kind, const CcdTable& table)
+      : m_kind(kind)
+      , m_table(table) {}
+
+  void add(const PairPoints& from, const PairPoints& to, double separation, const std::array<std::int32_t, 4>& nodes) {
+    for (int k = 0; k < 4; ++k) {
+      for (int i = 0; i < 3; ++i) {
+        m_batch.start[k][i][m_count] = from(k, i);
+        m_batch.end[k][i][m_count] = to(k, i);
+      }
+    }
+    m_batch.separation[m_count] = separation;
+    m_nodes[static_cast<std::size_t>(m_count)] = nodes;
+    if (++m_count == CCD_LANES)
+      ask();
+  }
+
+  SafeStep finish() {
+    if (m_count > 0)
+      ask();
+    return m_best;
+  }
+
+private:
+  void ask() {
+    double safe[CCD_LANES];
+    m_batch.ceiling = m_best.fraction;
+    find_safe_times(m_table, m_kind, m_batch, m_count, safe);
+    for (int lane = 0; lane < m_count; ++lane) {
+      if (safe[lane] < m_best.fraction)
+        m_best = {safe[lane], m_kind, m_nodes[static_cast<std::size_t>(lane)]};
+    }
+    m_count = 0;
+  }
+
+  PairKind m_kind;
+  const CcdTable& m_table;
+  CcdBatch m_batch;
+  std::array<std::array<std::int32_t, 4>, CCD_LANES> m_nodes{};
+  int m_count = 0;
+  SafeStep m_best;
+};
+
+/// Whether a pair stays apart along some axis all the way, with a hair's breadth between; each side has `first` points.
+bool apart_all_the_way(const PairPoints& from, const PairPoints& to, int first, double keep) {
+  for (int i = 0; i < 3; ++i) {
+    double low[2] = {1e300, 1e300};
+    double high[2] = {-1e300, -1e300};
+    for (int k = 0; k < 4; ++k) {
+      const int side = k < first ? 0 : 1;
+      low[side] = std::min({low[side], from(k, i), to(k, i)});
+      high[side] = std::max({high[side], from(k, i), to(k, i)});
+    }
+    const double gap = std::max(low[0] - high[1], low[1] - high[0]);
+    if (gap > keep)
+      return true;
+  }
+  return false;
+}
+
+SafeStep ask_range(const std::vector<CandidatePair>& pairs, PairKind kind, std::size_t begin, std::size_t end,
+                   const Points& from, const Points& to, double keep, const CcdTable& table) {
+  Asker asker(kind, table);
+  const int first = kind == PairKind::edge_edge ? 2 : 1;
+  for (std::size_t index = begin; index < end; ++index) {
+    const CandidatePair& pair = pairs[index];
+    PairPoints start;
+    PairPoints stop;
+    for (int k = 0; k < 4; ++k) {
+      start.row(k) = from.row(pair.nodes[static_cast<std::size_t>(k)]);
+      stop.row(k) = to.row(pair.nodes[static_cast<std::size_t>(k)]);
+    }
+    if (apart_all_the_way(start, stop, first, 0.0)) {
+      // Far enough for the share that is kept? Only the distance at the start can tell.
+      const double distance = std::sqrt(squared_distance(kind, start));
+      if (apart_all_the_way(start, stop, first, keep * distance))
+        continue;
+      asker.add(start, stop, keep * distance, pair.nodes);
+      continue;
+    }
+    asker.add(start, stop, keep * std::sqrt(squared_distance(kind, start)), pair.nodes);
+  }
+  return asker.finish();
+}
+
+} // namespace
+
+SafeStep find_safe_step(const BroadPhase& candidates, const Points& from, const Points& to, double keep,
+                        const CcdTable& table, const Threads& threads) {
+  SafeStep best;
+  for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
+    const std::vector<CandidatePair>& pairs = candidates.pairs(kind);
+    std::vector<SafeStep> chunks((pairs.size() + GRAIN - 1) / GRAIN);
+    threads.for_chunks(pairs.size(), GRAIN, [&](std::size_t begin, std::size_t end) {
+      chunks[begin / GRAIN] = ask_range(pairs, kind, begin, end, from, to, keep, table);
+    });
+    for (const SafeStep& chunk : chunks) {
+      if (chunk.fraction < best.fraction)
+        best = chunk;
+    }
+  }
+  return best;
+}
+
+} // namespace wry::contact
