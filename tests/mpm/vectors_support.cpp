@@ -46,14 +46,14 @@ Mat6 stress_map_of(const json& input) {
 Matter matter_of(const json& input) {
   static const std::map<std::string, Elasticity> ELASTICITIES = {
       {"linear", Elasticity::linear}, {"stvk", Elasticity::hencky}, {"fcr", Elasticity::fixed_corotated}};
-  static const std::map<std::string, PlasticLaw> LAWS = {
-      {"dp", PlasticLaw::drucker_prager}, {"snow", PlasticLaw::snow}, {"shear", PlasticLaw::shear}};
+  static const std::map<std::string, Plasticity> LAWS = {
+      {"dp", Plasticity::drucker_prager}, {"snow", Plasticity::snow}, {"shear", Plasticity::shear}};
   Matter matter;
   matter.elasticity = ELASTICITIES.at(input.at("elasticity"));
   const bool biot = input.contains("measure") ? input.at("measure") == "biot" : matter.elasticity == Elasticity::linear;
   matter.measure = biot ? StrainMeasure::biot : StrainMeasure::hencky;
   matter.conjugacy = input.value("conj", true) ? StressConjugacy::exact : StressConjugacy::literal;
-  Plasticity& plasticity = matter.plasticity;
+  YieldRule& plasticity = matter.plasticity;
   if (input.contains("plasticity") && !input.at("plasticity").is_null())
     plasticity.law = LAWS.at(input.at("plasticity"));
   if (input.contains("theta_c"))
@@ -64,8 +64,7 @@ Matter matter_of(const json& input) {
     plasticity.friction = {input.at("h0_h3").at(0), input.at("h0_h3").at(1), input.at("h0_h3").at(2),
                            input.at("h0_h3").at(3)};
   plasticity.volume_correction = input.value("vol_corr", false);
-  plasticity.flow =
-      input.value("dp_flow", "fictitious") == "isochoric" ? PlasticFlow::isochoric : PlasticFlow::fictitious;
+  plasticity.flow = input.value("dp_flow", "fictitious") == "isochoric" ? Flow::isochoric : Flow::fictitious;
   plasticity.shear_limit = input.value("shear_max", 0.0025);
   matter.isotropic = false;
   matter.stiffness = orthotropic_stiffness(elasticity_of(input.at("ortho")));

@@ -7,7 +7,7 @@ bool is_linear_in_strain(Elasticity elasticity) {
 }
 
 bool needs_maps(const Matter& matter) {
-  return !matter.isotropic && (matter.plasticity.law != PlasticLaw::none || !is_linear_in_strain(matter.elasticity));
+  return !matter.isotropic && (matter.plasticity.law != Plasticity::none || !is_linear_in_strain(matter.elasticity));
 }
 
 std::string_view elasticity_name(Elasticity elasticity) {
@@ -22,15 +22,15 @@ std::string_view elasticity_name(Elasticity elasticity) {
   return "?";
 }
 
-std::string_view plastic_law_name(PlasticLaw law) {
+std::string_view plastic_law_name(Plasticity law) {
   switch (law) {
-  case PlasticLaw::none:
+  case Plasticity::none:
     return "none";
-  case PlasticLaw::snow:
+  case Plasticity::snow:
     return "snow";
-  case PlasticLaw::drucker_prager:
+  case Plasticity::drucker_prager:
     return "drucker-prager";
-  case PlasticLaw::shear:
+  case Plasticity::shear:
     return "shear";
   }
   return "?";

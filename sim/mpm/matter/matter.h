@@ -3,35 +3,11 @@
 #include <optional>
 #include <string_view>
 
+#include "sim/mpm/material.h"
 #include "sim/mpm/matter/anisotropic_maps.h"
 
 /// What matter of the material point method is made of, compiled: every law as numbers in the axes of the material.
 namespace wry::mpm {
-
-enum class Elasticity {
-  linear,          ///< C : (V - I)
-  hencky,          ///< C : ln V, St. Venant-Kirchhoff with logarithmic strain
-  fixed_corotated, ///< Stomakhin et al. 2013
-};
-
-/// What a law calls strain, in the axes of the material.
-enum class StrainMeasure {
-  hencky, ///< ln V
-  biot,   ///< V - I
-};
-
-enum class PlasticLaw {
-  none,
-  snow,           ///< stretches within [1 - compression, 1 + stretch], hardening with J_p (Stomakhin et al. 2013)
-  drucker_prager, ///< Klar et al. 2016
-  shear,          ///< Tresca: no two principal strains differ by more than a limit (after Ionescu et al.)
-};
-
-/// Where Drucker-Prager flow goes.
-enum class PlasticFlow {
-  fictitious, ///< along the deviator in fictitious space: the paper; gains volume in real space
-  isochoric,  ///< keeps the real volume wherever that is possible
-};
 
 /// Whether the stress is exactly conjugate to the strain measure.
 enum class StressConjugacy {
@@ -51,11 +27,11 @@ struct FrictionHardening {
   bool is_constant() const { return h1 == 0.0 && h3 == 0.0; }
 };
 
-struct Plasticity {
-  PlasticLaw law = PlasticLaw::none;
+struct YieldRule {
+  Plasticity law = Plasticity::none;
   SnowLimits snow;
   FrictionHardening friction;
-  PlasticFlow flow = PlasticFlow::fictitious;
+  Flow flow = Flow::fictitious;
   bool volume_correction = false; ///< v_c of Tampubolon et al. 2017; Drucker-Prager only
   double shear_limit = 0.0025;    ///< k, fictitious strain
 };
@@ -63,9 +39,9 @@ struct Plasticity {
 /// An elastoplastic law. Isotropic matter has identity maps that nothing reads.
 struct Matter {
   Elasticity elasticity = Elasticity::hencky;
-  StrainMeasure measure = StrainMeasure::hencky;
+  StrainMeasure measure = StrainMeasure::hencky; ///< never automatic
   StressConjugacy conjugacy = StressConjugacy::exact;
-  Plasticity plasticity;
+  YieldRule plasticity;
   bool isotropic = true;
   Mat6 stiffness = Mat6::Zero(); ///< C: of the real material
   LameModuli fictitious;         ///< C-bar: of the isotropic solid that stands for it; the material's own if isotropic
@@ -85,6 +61,6 @@ struct PlasticHistory {
 };
 
 std::string_view elasticity_name(Elasticity elasticity);
-std::string_view plastic_law_name(PlasticLaw law);
+std::string_view plastic_law_name(Plasticity law);
 
 } // namespace wry::mpm

@@ -40,7 +40,7 @@ bool flow_isochorically(Vec3& e, const Vec3& deviator, double length, double c, 
 }
 
 Yield project_drucker_prager(Vec3& e, PlasticHistory& history, const ReturnContext& context) {
-  const Plasticity& plasticity = context.matter.plasticity;
+  const YieldRule& plasticity = context.matter.plasticity;
   const LameModuli& moduli = context.matter.fictitious;
   const double alpha = friction_alpha(plasticity.friction, history.flow);
   const double c = (3.0 * moduli.lambda + 2.0 * moduli.mu) * alpha / (2.0 * moduli.mu);
@@ -57,7 +57,7 @@ Yield project_drucker_prager(Vec3& e, PlasticHistory& history, const ReturnConte
   if (excess <= 0.0)
     return Yield::elastic;
   history.flow += excess;
-  if (plasticity.flow == PlasticFlow::isochoric && flow_isochorically(e, deviator, length, c, excess, context))
+  if (plasticity.flow == Flow::isochoric && flow_isochorically(e, deviator, length, c, excess, context))
     return Yield::plastic;
   e -= excess / length * deviator;
   return Yield::plastic;
@@ -85,19 +85,18 @@ Yield project_shear(Vec3& e, PlasticHistory&, const ReturnContext& context) {
   return Yield::plastic;
 }
 
-constexpr std::array LAWS = {PlasticLawEntry{PlasticLaw::none, stay_elastic},
-                             PlasticLawEntry{PlasticLaw::snow, project_snow},
-                             PlasticLawEntry{PlasticLaw::drucker_prager, project_drucker_prager},
-                             PlasticLawEntry{PlasticLaw::shear, project_shear}};
+constexpr std::array LAWS = {PlasticLaw{Plasticity::none, stay_elastic}, PlasticLaw{Plasticity::snow, project_snow},
+                             PlasticLaw{Plasticity::drucker_prager, project_drucker_prager},
+                             PlasticLaw{Plasticity::shear, project_shear}};
 
 } // namespace
 
-const PlasticLawEntry& plastic_law(PlasticLaw law) {
+const PlasticLaw& plastic_law(Plasticity law) {
   return LAWS[static_cast<std::size_t>(law)];
 }
 
-double hardening_factor(const Plasticity& plasticity, const PlasticHistory& history) {
-  return plasticity.law == PlasticLaw::snow ? std::exp(plasticity.snow.hardening * (1.0 - history.volume_ratio)) : 1.0;
+double hardening_factor(const YieldRule& plasticity, const PlasticHistory& history) {
+  return plasticity.law == Plasticity::snow ? std::exp(plasticity.snow.hardening * (1.0 - history.volume_ratio)) : 1.0;
 }
 
 double friction_alpha(const FrictionHardening& friction, double flow) {

@@ -16,16 +16,16 @@ struct ReturnContext {
 enum class Yield { elastic, plastic };
 
 /// A plasticity on the principal strains of the fictitious solid, as scalars.
-struct PlasticLawEntry {
-  PlasticLaw law;
+struct PlasticLaw {
+  Plasticity law;
   Yield (*project)(Vec3& strains, PlasticHistory& history, const ReturnContext& context);
 };
 
-/// One entry per PlasticLaw.
-const PlasticLawEntry& plastic_law(PlasticLaw law);
+/// One entry per Plasticity.
+const PlasticLaw& plastic_law(Plasticity law);
 
 /// Factor exp(xi (1 - J_p)) on the stress; 1 for all laws but snow.
-double hardening_factor(const Plasticity& plasticity, const PlasticHistory& history);
+double hardening_factor(const YieldRule& plasticity, const PlasticHistory& history);
 
 /// alpha of Drucker-Prager after a flow of q.
 double friction_alpha(const FrictionHardening& friction, double flow);
