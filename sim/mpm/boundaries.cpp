@@ -1,0 +1,188 @@
+#include "sim/mpm/boundaries.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wry::mpm {
+
+namespace {
+
+/// Nodes on the surface itself belong to the obstacle.
+constexpr double ON_SURFACE = 1e-6; // cells
+
+Vec3 node_position(const BlockCoord& coord, const Vec3& in_block, double cell) {
+  return cell *
+         (Vec3(static_cast<double>(coord.x), static_cast<double>(coord.y), static_cast<double>(coord.z)) * BLOCK_SIDE +
+          in_block);
+}
+
+Result<scene::ColliderField> make_field(std::shared_ptr<const scene::Collider> collider, double cell) {
+  return scene::ColliderField::create(std::move(collider), {0.5 * cell, LEAST_WALL_CELLS * cell});
+}
+
+} // namespace
+
+Vec3 contact_velocity(const Vec3& velocity, const Vec3& wall, const Vec3& normal, scene::ColliderContact contact,
+                      double friction) {
+  if (contact == scene::ColliderContact::sticky)
+    return wall;
+  const Vec3 relative = velocity - wall;
+  const double into = relative.dot(normal);
+  if (contact == scene::ColliderContact::separate && into >= 0.0)
+    return velocity;
+  const Vec3 along = relative - into * normal;
+  const double speed = along.norm();
+  const double kept = speed > 0.0 ? std::max(0.0, 1.0 - friction * std::abs(into) / speed) : 0.0;
+  return wall + kept * along;
+}
+
+Result<Boundaries> Boundaries::create(const MpmPlan& plan) {
+  Boundaries made;
+  made.m_cell = plan.settings.cell;
+  for (const std::shared_ptr<const scene::Collider>& collider : plan.colliders) {
+    Result<scene::ColliderField> field = make_field(collider, made.m_cell);
+    if (!field)
+      return field.error();
+    const bool is_plane = std::holds_alternative<scene::PlaneObstacle>(collider->shape);
+    made.m_obstacles.push_back({std::move(*field), {}, {}, !is_plane});
+  }
+  for (const HeldSpace& held : plan.held) {
+    auto collider = std::make_shared<scene::Collider>();
+    collider->name = held.name;
+    collider->shape = held.shape;
+    collider->motion = held.motion;
+    collider->contact = scene::ColliderContact::sticky;
+    Result<scene::ColliderField> field = make_field(collider, made.m_cell);
+    if (!field)
+      return field.error();
+    made.m_held.push_back({{std::move(*field), {}, {}, true}, held.until, true});
+  }
+  made.begin_step(0.0, 0.0);
+  return made;
+}
+
+void Boundaries::begin_step(double time, double dt) {
+  const auto place = [&](Obstacle& obstacle) {
+    const scene::Motion& motion = obstacle.field.collider().motion;
+    obstacle.pose = motion.pose(time + dt);
+    obstacle.twist = motion.moves() ? motion.twist(time + 0.5 * dt) : scene::Twist{};
+  };
+  for (Obstacle& obstacle : m_obstacles)
+    place(obstacle);
+  for (Held& held : m_held) {
+    place(held.space);
+    held.active = !held.until || time < *held.until * (1.0 - 1e-12);
+  }
+}
+
+double Boundaries::max_speed(double time, double dt) const {
+  double greatest = 0.0;
+  const auto look = [&](const Obstacle& obstacle) {
+    const scene::Collider& collider = obstacle.field.collider();
+    if (!collider.motion.moves())
+      return;
+    const scene::ObstacleBounds bounds = scene::obstacle_bounds(collider.shape);
+    for (const double at : {time, time + 0.5 * dt, time + dt}) {
+      const scene::Twist twist = collider.motion.twist(at);
+      const scene::Pose pose = collider.motion.pose(at);
+      for (int corner = 0; corner < 8; ++corner) {
+        Vec3 point;
+        for (int axis = 0; axis < 3; ++axis)
+          point[axis] = corner & (1 << axis) ? bounds.high[axis] : bounds.low[axis];
+        const double speed = twist.at(pose.apply(point)).norm();
+        greatest = std::max(greatest, std::isfinite(speed) ? speed : twist.linear.norm());
+      }
+    }
+  };
+  for (const Obstacle& obstacle : m_obstacles)
+    look(obstacle);
+  for (const Held& held : m_held) {
+    if (held.active)
+      look(held.space);
+  }
+  return greatest;
+}
+
+bool Boundaries::near_block(const Obstacle& obstacle, const BlockCoord& coord, double margin_cells) const {
+  constexpr double MIDDLE = 0.5 * (BLOCK_SIDE - 1);
+  const double reach = (MIDDLE * std::sqrt(3.0) + margin_cells) * m_cell;
+  return obstacle.field.sample(obstacle.pose, node_position(coord, Vec3::Constant(MIDDLE), m_cell)).distance <= reach;
+}
+
+template <class Scalar> void Boundaries::constrain_nodes(const BlockCoord& coord, Scalar* values) const {
+  std::vector<const Obstacle*> near;
+  for (const Obstacle& obstacle : m_obstacles) {
+    if (near_block(obstacle, coord, 0.1))
+      near.push_back(&obstacle);
+  }
+  std::vector<const Obstacle*> holding;
+  for (const Held& held : m_held) {
+    if (held.active && near_block(held.space, coord, 0.1))
+      holding.push_back(&held.space);
+  }
+  if (near.empty() && holding.empty())
+    return;
+  const double surface = ON_SURFACE * m_cell;
+  for (int node = 0; node < BLOCK_VALUES / NODE_VALUES; ++node) {
+    Scalar* value = values + node * NODE_VALUES;
+    if (!(value[3] > 0))
+      continue;
+    const Vec3 at = node_position(coord, Vec3(node / 16, node / 4 % 4, node % 4), m_cell);
+    const Vec3 before(value[0], value[1], value[2]);
+    Vec3 velocity = before;
+    int touched = 0;
+    const auto touch = [&] {
+      touched = 0;
+      for (const Obstacle* obstacle : near) {
+        const scene::ColliderSample sample = obstacle->field.sample(obstacle->pose, at);
+        if (sample.distance > surface)
+          continue;
+        const scene::Collider& collider = obstacle->field.collider();
+        velocity =
+            contact_velocity(velocity, obstacle->twist.at(at), sample.normal, collider.contact, collider.friction);
+        ++touched;
+      }
+    };
+    touch();
+    if (touched > 1) // corners: what one wall pushes into another is pushed out again
+      touch();
+    for (const Obstacle* space : holding) {
+      if (space->field.sample(space->pose, at).distance <= surface)
+        velocity = space->twist.at(at);
+    }
+    if (velocity == before)
+      continue;
+    for (int axis = 0; axis < 3; ++axis)
+      value[axis] = static_cast<Scalar>(velocity[axis]);
+  }
+}
+
+template void Boundaries::constrain_nodes(const BlockCoord&, float*) const;
+template void Boundaries::constrain_nodes(const BlockCoord&, double*) const;
+
+void Boundaries::walls_near(const BlockCoord& coord, std::vector<int>& walls) const {
+  walls.clear();
+  for (std::size_t i = 0; i < m_obstacles.size(); ++i) {
+    // Particles reach 2.5 cells beyond the block's nodes before they are sorted, and move by less than one.
+    if (m_obstacles[i].has_inside && near_block(m_obstacles[i], coord, 6.0))
+      walls.push_back(static_cast<int>(i));
+  }
+}
+
+bool Boundaries::push_out(const std::vector<int>& walls, Vec3& position, Vec3& velocity) const {
+  bool pushed = false;
+  for (const int wall : walls) {
+    const Obstacle& obstacle = m_obstacles[static_cast<std::size_t>(wall)];
+    const scene::ColliderSample sample = obstacle.field.sample(obstacle.pose, position);
+    if (sample.distance >= 0.0)
+      continue;
+    position -= sample.distance * sample.normal;
+    const double into = (velocity - obstacle.twist.at(position)).dot(sample.normal);
+    if (into < 0.0)
+      velocity -= into * sample.normal;
+    pushed = true;
+  }
+  return pushed;
+}
+
+} // namespace wry::mpm

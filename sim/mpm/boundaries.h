@@ -1,0 +1,59 @@
+#pragma once
+
+#include <vector>
+
+#include "sim/base/result.h"
+#include "sim/mpm/grid.h"
+#include "sim/mpm/mpm_plan.h"
+#include "sim/scene/collider_field.h"
+
+namespace wry::mpm {
+
+/// Walls count as at least this many cells thick: matter on both sides of a thinner one would feel each other through
+/// the grid, and could pass.
+inline constexpr double LEAST_WALL_CELLS = 2.0;
+
+/// Obstacles and prescribed velocities on the grid, and what keeps particles out of walls.
+class Boundaries {
+public:
+  /// Errors: those of the obstacles' distance fields.
+  static Result<Boundaries> create(const MpmPlan& plan);
+
+  /// For a step from `time` to time + dt.
+  void begin_step(double time, double dt);
+  /// Greatest speed of an obstacle within its bounds, between these times [m/s].
+  double max_speed(double time, double dt) const;
+
+  /// Velocities of a block's nodes with mass, in place.
+  template <class Scalar> void constrain_nodes(const BlockCoord& coord, Scalar* values) const;
+
+  /// Which obstacles a particle of this block may be in at the end of the step; by index, ascending.
+  void walls_near(const BlockCoord& coord, std::vector<int>& walls) const;
+  /// Puts a particle back to the surface of the walls it is in and takes away the velocity into them. Returns whether
+  /// it had to.
+  bool push_out(const std::vector<int>& walls, Vec3& position, Vec3& velocity) const;
+
+private:
+  struct Obstacle {
+    scene::ColliderField field;
+    scene::Pose pose;
+    scene::Twist twist;
+    bool has_inside = true; ///< planes end the world: no particle gets through
+  };
+  struct Held {
+    Obstacle space;
+    std::optional<double> until;
+    bool active = true;
+  };
+  bool near_block(const Obstacle& obstacle, const BlockCoord& coord, double margin_cells) const;
+
+  double m_cell = 0.0;
+  std::vector<Obstacle> m_obstacles;
+  std::vector<Held> m_held;
+};
+
+/// The velocity of matter at an obstacle that moves with `wall`, by its contact and Coulomb friction (spec S6).
+Vec3 contact_velocity(const Vec3& velocity, const Vec3& wall, const Vec3& normal, scene::ColliderContact contact,
+                      double friction);
+
+} // namespace wry::mpm

@@ -1,0 +1,504 @@
+#include "sim/mpm/mpm_simulation.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "sim/mpm/boundaries.h"
+#include "sim/mpm/kernels/transfer_table.h"
+#include "sim/mpm/mpm_state.h"
+
+namespace wry::mpm {
+
+namespace {
+
+constexpr int COLOURS = 8;
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// Blocks of one colour are two apart along every axis, so that their halos share no node.
+int colour_of(const BlockCoord& coord) {
+  return static_cast<int>((coord.x & 1) | (coord.y & 1) << 1 | (coord.z & 1) << 2);
+}
+
+/// What a block's gather found.
+struct BlockReport {
+  GatherReport sums;
+  double kinetic_energy = 0.0;
+  int failed_body = -1;
+  std::size_t failed_place = 0;
+  BlockRun failed_run;
+};
+
+template <class Scalar> class Simulation final : public MpmSimulation {
+public:
+  Simulation(MpmPlan plan, int threads, Isa isa, Boundaries boundaries)
+      : m_plan(std::move(plan))
+      , m_threads(threads)
+      , m_isa(isa)
+      , m_transfers(transfer_kernels<Scalar>(isa))
+      , m_boundaries(std::move(boundaries)) {}
+
+  Status initialise();
+
+  Result<StepStats> step(double end) override;
+  double time() const override { return m_state.time; }
+  std::size_t particle_count() const override;
+  StepBound bound() const override;
+  Totals totals() const override;
+  SceneStatic scene_static() const override;
+  Frame snapshot(int number) const override;
+  StateArchive archive() const override { return archive_state(m_state); }
+  Status restore(const StateArchive& archive) override;
+  std::size_t memory_bytes() const override;
+
+private:
+  static constexpr std::size_t WIDTH = TILE_WIDTH<Scalar>;
+
+  Status add_particles(std::size_t body);
+  Result<bool> emit();
+  Status sort();
+  void make_blocks();
+  TransferRun<Scalar> transfer_run(std::size_t body, const BlockRun& run, double dt);
+  void scatter(double dt);
+  void update_grid(double dt);
+  Status gather(double dt, StepStats& stats);
+  BlockReport gather_block(std::size_t block, double dt);
+  void keep_out_of_walls(std::size_t body, const BlockRun& run, const std::vector<int>& walls);
+  Error lost_particle(const BlockReport& report, double dt) const;
+  double stiffest_speed() const;
+
+  /// The runs of one occupied block.
+  struct BlockRuns {
+    std::vector<std::pair<std::size_t, std::size_t>> runs; ///< body, run of its set
+  };
+
+  MpmPlan m_plan;
+  Threads m_threads;
+  Isa m_isa;
+  const TransferKernels<Scalar>& m_transfers;
+  Boundaries m_boundaries;
+  std::vector<BodyState<Scalar>> m_bodies;
+  MpmState<Scalar> m_state;
+  Grid<Scalar> m_grid;
+  std::vector<BlockRuns> m_blocks; ///< per occupied block
+  std::array<std::vector<std::int32_t>, COLOURS> m_colours;
+};
+
+template <class Scalar> Status Simulation<Scalar>::initialise() {
+  m_state.emitted.assign(m_plan.sources.size(), 0);
+  for (std::size_t b = 0; b < m_plan.bodies.size(); ++b) {
+    const MpmBody& body = m_plan.bodies[b];
+    if (!body.positions || body.positions->rows() == 0)
+      return make_error(ErrorCode::bad_input, "body {}: there is no particle in it", body.name);
+    Result<CompiledMaterial> compiled = compile_material(body.material);
+    if (!compiled)
+      return compiled.error();
+    BodyState<Scalar> state;
+    state.compiled = std::move(*compiled);
+    state.constants = constants_in<Scalar>(state.compiled.constants);
+    state.kernels = find_material_kernels<Scalar>(body.material, state.compiled, m_isa);
+    state.mass = static_cast<Scalar>(body.material.density * body.particle_volume);
+    state.volume = static_cast<Scalar>(body.particle_volume);
+    m_state.sets.push_back({ParticleSet<Scalar>(state.compiled.channels), {}});
+    m_state.stiffness_factor.push_back(1.0);
+    m_bodies.push_back(std::move(state));
+    if (Status status = add_particles(b); !status)
+      return status;
+  }
+  make_blocks();
+  return {};
+}
+
+/// Adds the particles of the plan's body once more, as they are at the start.
+template <class Scalar> Status Simulation<Scalar>::add_particles(std::size_t body) {
+  const MpmBody& plan = m_plan.bodies[body];
+  SortedSet<Scalar>& set = m_state.sets[body];
+  std::vector<NewParticle> added;
+  added.reserve(static_cast<std::size_t>(plan.positions->rows()));
+  for (Eigen::Index i = 0; i < plan.positions->rows(); ++i) {
+    const Result<NewParticle> particle = place_in_grid(plan.positions->row(i), m_plan.settings.cell);
+    if (!particle)
+      return make_error(particle.error().code, "body {}: particle {}: {}", plan.name, i, particle.error().message);
+    added.push_back(*particle);
+    double speed = plan.initial_velocity.norm();
+    if (plan.velocity_field)
+      speed += plan.velocity_field(plan.positions->row(i)).norm();
+    m_state.max_speed = std::max(m_state.max_speed, speed);
+  }
+  const std::int64_t first = static_cast<std::int64_t>(set.count());
+  if (Status status = sort_particles<Scalar>(set, added, first, m_threads); !status)
+    return status;
+  start_particles(plan, first, set);
+  return {};
+}
+
+template <class Scalar> Status Simulation<Scalar>::sort() {
+  for (SortedSet<Scalar>& set : m_state.sets) {
+    if (Status status = sort_particles<Scalar>(set, {}, 0, m_threads); !status)
+      return make_error(status.error().code, "t = {:.6g} s: {}", m_state.time, status.error().message);
+  }
+  make_blocks();
+  m_state.strayed = false;
+  return {};
+}
+
+template <class Scalar> void Simulation<Scalar>::make_blocks() {
+  const std::vector<BlockCoord> occupied = occupied_blocks<Scalar>(m_state.sets);
+  m_grid.build(occupied);
+  m_blocks.assign(occupied.size(), {});
+  for (std::size_t body = 0; body < m_state.sets.size(); ++body) {
+    const std::vector<BlockRun>& runs = m_state.sets[body].runs;
+    for (std::size_t i = 0; i < runs.size(); ++i)
+      m_blocks[static_cast<std::size_t>(runs[i].block)].runs.emplace_back(body, i);
+  }
+  for (std::vector<std::int32_t>& colour : m_colours)
+    colour.clear();
+  for (std::size_t i = 0; i < occupied.size(); ++i)
+    m_colours[static_cast<std::size_t>(colour_of(occupied[i]))].push_back(static_cast<std::int32_t>(i));
+}
+
+template <class Scalar> std::size_t Simulation<Scalar>::particle_count() const {
+  std::size_t sum = 0;
+  for (const SortedSet<Scalar>& set : m_state.sets)
+    sum += set.count();
+  return sum;
+}
+
+template <class Scalar> double Simulation<Scalar>::stiffest_speed() const {
+  double speed = 0.0;
+  for (std::size_t b = 0; b < m_bodies.size(); ++b)
+    speed = std::max(speed, m_bodies[b].compiled.sound_speed * std::sqrt(m_state.stiffness_factor[b]));
+  return speed;
+}
+
+template <class Scalar> StepBound Simulation<Scalar>::bound() const {
+  StepFacts facts;
+  facts.cell = m_plan.settings.cell;
+  facts.courant = m_plan.settings.courant;
+  facts.max_deformation = m_plan.settings.max_deformation;
+  facts.sound_speed = stiffest_speed();
+  facts.speed = m_state.max_speed;
+  facts.gravity = m_plan.gravity.norm();
+  facts.gradient = m_state.max_gradient;
+  const StepBound without_obstacles = stable_step(facts);
+  facts.speed = std::max(facts.speed, m_boundaries.max_speed(m_state.time, std::min(without_obstacles.dt, 1.0)));
+  return stable_step(facts);
+}
+
+template <class Scalar>
+TransferRun<Scalar> Simulation<Scalar>::transfer_run(std::size_t body, const BlockRun& run, double dt) {
+  ParticleSet<Scalar>& particles = m_state.sets[body].particles;
+  const std::size_t tile = static_cast<std::size_t>(run.first_tile);
+  TransferRun<Scalar> transfer;
+  transfer.count = run.count;
+  transfer.dt = static_cast<Scalar>(dt);
+  transfer.cell = static_cast<Scalar>(m_plan.settings.cell);
+  transfer.mass = m_bodies[body].mass;
+  transfer.volume = m_bodies[body].volume;
+  transfer.position = particles.tile(Channel::position, tile);
+  transfer.velocity = particles.tile(Channel::velocity, tile);
+  transfer.affine = particles.tile(Channel::affine, tile);
+  transfer.material = &m_bodies[body].constants;
+  transfer.update = m_bodies[body].kernels.update;
+  transfer.tiles.dt = static_cast<Scalar>(dt);
+  transfer.tiles.deformation = particles.tile(Channel::deformation, tile);
+  transfer.tiles.stress = particles.tile(Channel::stress, tile);
+  for (int i = static_cast<int>(LAST_BASE_CHANNEL) + 1; i < CHANNEL_COUNT; ++i)
+    transfer.tiles.state[i] = particles.tile(static_cast<Channel>(i), tile);
+  return transfer;
+}
+
+template <class Scalar> void Simulation<Scalar>::scatter(double dt) {
+  m_threads.for_chunks(m_grid.block_count(), 64, [&](std::size_t begin, std::size_t end) {
+    std::fill(m_grid.values(begin), m_grid.values(begin) + (end - begin) * BLOCK_VALUES, Scalar(0));
+  });
+  const ScatterKernel<Scalar> kernel = m_transfers.scatter[static_cast<int>(m_plan.settings.transfer)];
+  for (const std::vector<std::int32_t>& colour : m_colours) {
+    m_threads.for_each(colour.size(), 1, [&](std::size_t i) {
+      const std::size_t block = static_cast<std::size_t>(colour[i]);
+      alignas(64) Scalar halo[HALO_VALUES] = {};
+      for (const auto& [body, run] : m_blocks[block].runs)
+        kernel(transfer_run(body, m_state.sets[body].runs[run], dt), halo);
+      std::array<Scalar*, NEIGHBOURS> around;
+      for (int n = 0; n < NEIGHBOURS; ++n)
+        around[static_cast<std::size_t>(n)] =
+            m_grid.values(static_cast<std::size_t>(m_grid.neighbours(block)[static_cast<std::size_t>(n)]));
+      m_transfers.add_halo(halo, around.data());
+    });
+  }
+}
+
+template <class Scalar> void Simulation<Scalar>::update_grid(double dt) {
+  Scalar gain[3];
+  for (int axis = 0; axis < 3; ++axis)
+    gain[axis] = static_cast<Scalar>(dt * m_plan.gravity[axis]);
+  m_threads.for_each(m_grid.block_count(), 16, [&](std::size_t block) {
+    Scalar* values = m_grid.values(block);
+    bool any = false;
+    for (int node = 0; node < BLOCK_VALUES; node += NODE_VALUES) {
+      const Scalar mass = values[node + 3];
+      if (!(mass > 0))
+        continue;
+      any = true;
+      const Scalar inverse = Scalar(1) / mass;
+      for (int axis = 0; axis < 3; ++axis)
+        values[node + axis] = values[node + axis] * inverse + gain[axis];
+    }
+    if (any)
+      m_boundaries.constrain_nodes(m_grid.coord(block), values);
+  });
+}
+
+template <class Scalar>
+void Simulation<Scalar>::keep_out_of_walls(std::size_t body, const BlockRun& run, const std::vector<int>& walls) {
+  ParticleSet<Scalar>& particles = m_state.sets[body].particles;
+  const double cell = m_plan.settings.cell;
+  const std::size_t first = static_cast<std::size_t>(run.first_tile) * WIDTH;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(run.count); ++i) {
+    Vec3 position = world_position(particles, run, first + i, cell);
+    Vec3 velocity;
+    for (int axis = 0; axis < 3; ++axis)
+      velocity[axis] = particles.at(Channel::velocity, first + i, axis);
+    if (!position.allFinite() || !m_boundaries.push_out(walls, position, velocity))
+      continue;
+    const std::int64_t coord[3] = {run.coord.x, run.coord.y, run.coord.z};
+    for (int axis = 0; axis < 3; ++axis) {
+      const double local = position[axis] / cell - static_cast<double>(coord[axis] * BLOCK_SIDE);
+      particles.at(Channel::position, first + i, axis) = static_cast<Scalar>(local);
+      particles.at(Channel::velocity, first + i, axis) = static_cast<Scalar>(velocity[axis]);
+    }
+  }
+}
+
+template <class Scalar> BlockReport Simulation<Scalar>::gather_block(std::size_t block, double dt) {
+  const GatherKernel<Scalar> kernel = m_transfers.gather[static_cast<int>(m_plan.settings.transfer)];
+  alignas(64) Scalar halo[HALO_VALUES];
+  std::array<const Scalar*, NEIGHBOURS> around;
+  for (int n = 0; n < NEIGHBOURS; ++n)
+    around[static_cast<std::size_t>(n)] =
+        m_grid.values(static_cast<std::size_t>(m_grid.neighbours(block)[static_cast<std::size_t>(n)]));
+  m_transfers.read_halo(around.data(), halo);
+  std::fill(halo + HALO_VALUES - NODE_VALUES, halo + HALO_VALUES, Scalar(0));
+  BlockReport report;
+  std::vector<int> walls;
+  m_boundaries.walls_near(
+      m_state.sets[m_blocks[block].runs.front().first].runs[m_blocks[block].runs.front().second].coord, walls);
+  for (const auto& [body, index] : m_blocks[block].runs) {
+    const BlockRun& run = m_state.sets[body].runs[index];
+    const GatherReport one = kernel(transfer_run(body, run, dt), halo);
+    if (!walls.empty())
+      keep_out_of_walls(body, run, walls);
+    report.sums.max_speed_squared = std::max(report.sums.max_speed_squared, one.max_speed_squared);
+    report.sums.max_gradient_squared = std::max(report.sums.max_gradient_squared, one.max_gradient_squared);
+    report.sums.strayed = report.sums.strayed || one.strayed;
+    report.kinetic_energy += 0.5 * static_cast<double>(m_bodies[body].mass) * one.sum_speed_squared;
+    report.sums.material.stiffness_factor =
+        std::max(report.sums.material.stiffness_factor, one.material.stiffness_factor);
+    if (report.failed_body < 0 && one.material.failed_lane >= 0) {
+      report.failed_body = static_cast<int>(body);
+      const int lane = std::min(one.material.failed_lane, run.count - 1);
+      report.failed_place = static_cast<std::size_t>(run.first_tile) * WIDTH + static_cast<std::size_t>(lane);
+      report.failed_run = run;
+    }
+  }
+  return report;
+}
+
+template <class Scalar> Status Simulation<Scalar>::gather(double dt, StepStats& stats) {
+  std::vector<BlockReport> reports(m_grid.occupied_count());
+  m_threads.for_each(reports.size(), 1, [&](std::size_t block) { reports[block] = gather_block(block, dt); });
+  BlockReport total;
+  std::vector<double> factor(m_bodies.size(), 1.0);
+  for (std::size_t block = 0; block < reports.size(); ++block) {
+    const BlockReport& report = reports[block];
+    if (report.failed_body >= 0)
+      return lost_particle(report, dt);
+    total.sums.max_speed_squared = std::max(total.sums.max_speed_squared, report.sums.max_speed_squared);
+    total.sums.max_gradient_squared = std::max(total.sums.max_gradient_squared, report.sums.max_gradient_squared);
+    total.sums.strayed = total.sums.strayed || report.sums.strayed;
+    total.kinetic_energy += report.kinetic_energy;
+    for (const auto& [body, run] : m_blocks[block].runs)
+      factor[body] = std::max(factor[body], report.sums.material.stiffness_factor);
+  }
+  m_state.stiffness_factor = factor;
+  m_state.max_speed = std::sqrt(total.sums.max_speed_squared);
+  m_state.max_gradient = std::sqrt(total.sums.max_gradient_squared);
+  m_state.strayed = total.sums.strayed;
+  stats.kinetic_energy = total.kinetic_energy;
+  stats.max_speed = m_state.max_speed;
+  return {};
+}
+
+template <class Scalar> Error Simulation<Scalar>::lost_particle(const BlockReport& report, double dt) const {
+  const std::size_t body = static_cast<std::size_t>(report.failed_body);
+  const ParticleSet<Scalar>& particles = m_state.sets[body].particles;
+  const Vec3 at = world_position(particles, report.failed_run, report.failed_place, m_plan.settings.cell);
+  double speed = 0.0;
+  for (int axis = 0; axis < 3; ++axis)
+    speed += std::pow(static_cast<double>(particles.at(Channel::velocity, report.failed_place, axis)), 2);
+  return make_error(
+      ErrorCode::solver,
+      "body {}: t = {:.6g} s, dt = {:.3g} s: the deformation of particle {} at ({:.4g}, {:.4g}, {:.4g}) m is lost (it "
+      "turned inside out, or is no number); its speed is {:.4g} m/s, the wave speed {:.4g} m/s, the cell {:.4g} m. Try "
+      "a "
+      "smaller mpm.courant or mpm.max_deformation, or slower obstacles; the last good frame is kept",
+      m_plan.bodies[body].name, m_state.time, dt, identity_of(particles.at(Channel::identity, report.failed_place, 0)),
+      at.x(), at.y(), at.z(), std::sqrt(speed), stiffest_speed(), m_plan.settings.cell);
+}
+
+/// Adds what sources owe up to now.
+template <class Scalar> Result<bool> Simulation<Scalar>::emit() {
+  bool any = false;
+  for (std::size_t s = 0; s < m_plan.sources.size(); ++s) {
+    const Source& source = m_plan.sources[s];
+    const double due = source.from + source.every * static_cast<double>(m_state.emitted[s]);
+    if (due > source.until * (1.0 + 1e-12) || m_state.time < due * (1.0 - 1e-12))
+      continue;
+    ++m_state.emitted[s];
+    any = true;
+    if (Status status = add_particles(static_cast<std::size_t>(source.body)); !status)
+      return status.error();
+  }
+  return any;
+}
+
+template <class Scalar> Result<StepStats> Simulation<Scalar>::step(double end) {
+  const Clock::time_point start = Clock::now();
+  if (!(end > m_state.time))
+    return make_error(ErrorCode::usage, "cannot step from {} s to {} s", m_state.time, end);
+  StepStats stats;
+  const Result<bool> emitted = emit();
+  if (!emitted)
+    return emitted.error();
+  if (m_state.strayed || *emitted) {
+    if (Status status = sort(); !status)
+      return status.error();
+    stats.sorted = true;
+  }
+  stats.sort_ms = ms_since(start);
+  const ChosenStep chosen = choose_step(bound(), m_plan.settings.time_step, m_state.time, end);
+  m_boundaries.begin_step(m_state.time, chosen.dt);
+  const Clock::time_point before_scatter = Clock::now();
+  scatter(chosen.dt);
+  const Clock::time_point before_grid = Clock::now();
+  update_grid(chosen.dt);
+  const Clock::time_point before_gather = Clock::now();
+  if (Status status = gather(chosen.dt, stats); !status)
+    return status.error();
+  m_state.time = chosen.lands ? end : m_state.time + chosen.dt;
+  stats.time = m_state.time;
+  stats.dt = chosen.dt;
+  stats.limit = chosen.limit;
+  stats.given_over_stable = chosen.given_over_stable;
+  stats.particles = particle_count();
+  stats.blocks = m_grid.occupied_count();
+  stats.scatter_ms = std::chrono::duration<double, std::milli>(before_grid - before_scatter).count();
+  stats.grid_ms = std::chrono::duration<double, std::milli>(before_gather - before_grid).count();
+  stats.gather_ms = ms_since(before_gather);
+  stats.total_ms = ms_since(start);
+  return stats;
+}
+
+template <class Scalar> Totals Simulation<Scalar>::totals() const {
+  Totals sum;
+  const double cell = m_plan.settings.cell;
+  for (std::size_t b = 0; b < m_bodies.size(); ++b) {
+    const ParticleSet<Scalar>& particles = m_state.sets[b].particles;
+    const double mass = m_bodies[b].mass;
+    AlignedVector<Scalar> energy;
+    for (const BlockRun& run : m_state.sets[b].runs) {
+      const int tiles = static_cast<int>((static_cast<std::size_t>(run.count) + WIDTH - 1) / WIDTH);
+      TransferRun<Scalar> transfer = const_cast<Simulation*>(this)->transfer_run(b, run, 0.0);
+      transfer.tiles.count = tiles;
+      energy.assign(static_cast<std::size_t>(tiles) * WIDTH, Scalar(0));
+      m_bodies[b].kernels.energy(m_bodies[b].constants, transfer.tiles, energy.data());
+      for (std::size_t i = 0; i < static_cast<std::size_t>(run.count); ++i) {
+        const std::size_t place = static_cast<std::size_t>(run.first_tile) * WIDTH + i;
+        const Vec3 x = world_position(particles, run, place, cell);
+        Vec3 v;
+        Mat3 affine;
+        for (int c = 0; c < 3; ++c) {
+          v[c] = particles.at(Channel::velocity, place, c);
+          for (int a = 0; a < 3; ++a)
+            affine(c, a) = particles.at(Channel::affine, place, c * 3 + a);
+        }
+        const double inertia = mass * cell * cell / 4.0;
+        sum.mass += mass;
+        sum.momentum += mass * v;
+        const Mat3 skew = affine - affine.transpose();
+        sum.angular_momentum += mass * x.cross(v) + inertia * Vec3(skew(2, 1), skew(0, 2), skew(1, 0));
+        sum.kinetic_energy += 0.5 * mass * v.squaredNorm() + 0.5 * inertia * affine.squaredNorm();
+        sum.gravity_energy -= mass * x.dot(m_plan.gravity);
+        sum.elastic_energy += static_cast<double>(m_bodies[b].volume) * static_cast<double>(energy[i]);
+      }
+    }
+  }
+  return sum;
+}
+
+template <class Scalar> SceneStatic Simulation<Scalar>::scene_static() const {
+  SceneStatic scene;
+  for (const MpmBody& body : m_plan.bodies) {
+    SceneBody described;
+    described.name = body.name;
+    described.look = body.look;
+    described.rest_positions = *body.positions;
+    scene.bodies.push_back(std::move(described));
+  }
+  return scene;
+}
+
+template <class Scalar> Frame Simulation<Scalar>::snapshot(int number) const {
+  Frame frame;
+  frame.number = number;
+  frame.time = m_state.time;
+  for (std::size_t b = 0; b < m_plan.bodies.size(); ++b)
+    frame.bodies.push_back(snapshot_body(m_plan.bodies[b], m_state.sets[b], m_plan.settings.cell));
+  return frame;
+}
+
+template <class Scalar> Status Simulation<Scalar>::restore(const StateArchive& archive) {
+  if (Status status = restore_state(archive, m_state); !status)
+    return status;
+  make_blocks();
+  return {};
+}
+
+template <class Scalar> std::size_t Simulation<Scalar>::memory_bytes() const {
+  std::size_t bytes = m_grid.memory_bytes();
+  for (const SortedSet<Scalar>& set : m_state.sets) {
+    // While particles are sorted there are two copies, and where each goes.
+    bytes += set.particles.tiles() * WIDTH * (2 * set.particles.bytes_per_particle() + 100);
+  }
+  return bytes;
+}
+
+template <class Scalar>
+Result<std::unique_ptr<MpmSimulation>> make_simulation(MpmPlan plan, int threads, Isa isa, Boundaries boundaries) {
+  std::unique_ptr<Simulation<Scalar>> simulation =
+      std::make_unique<Simulation<Scalar>>(std::move(plan), threads, isa, std::move(boundaries));
+  if (Status status = simulation->initialise(); !status)
+    return status.error();
+  return std::unique_ptr<MpmSimulation>(std::move(simulation));
+}
+
+} // namespace
+
+Result<std::unique_ptr<MpmSimulation>> MpmSimulation::create(MpmPlan plan, int threads, Isa isa) {
+  Result<Boundaries> boundaries = Boundaries::create(plan);
+  if (!boundaries)
+    return boundaries.error();
+  if (plan.settings.precision == Precision::f32)
+    return make_simulation<float>(std::move(plan), threads, isa, std::move(*boundaries));
+  return make_simulation<double>(std::move(plan), threads, isa, std::move(*boundaries));
+}
+
+} // namespace wry::mpm
