@@ -11,7 +11,7 @@ namespace wry::pipeline {
 
 namespace {
 
-constexpr std::int64_t VERSION = 1;
+constexpr std::int64_t VERSION = 2;
 constexpr std::size_t MOST_COMPONENTS = 1'000'000;
 constexpr std::array<std::pair<ChannelOn, const char*>, 4> CHANNEL_ON_NAMES = {{{ChannelOn::vertex, "vertex"},
                                                                                 {ChannelOn::tet, "tet"},
@@ -125,11 +125,33 @@ template <class Rows> void read_rows(Hdf5ImageReader& file, const std::string& p
     take(file.integers(path));
 }
 
+void write_grain(Hdf5ImageWriter& file, const std::string& path, const Grain& grain) {
+  file.attribute(path, "grain_shape", static_cast<std::int64_t>(grain.shape));
+  file.attribute(path, "grain_size_x", grain.size.x());
+  file.attribute(path, "grain_size_y", grain.size.y());
+  file.attribute(path, "grain_size_z", grain.size.z());
+}
+
+void read_grain(Hdf5ImageReader& file, const std::string& path, SceneBody& body) {
+  const std::int64_t kind = file.integer(path, "kind");
+  const std::int64_t shape = file.integer(path, "grain_shape");
+  if (kind < 0 || kind > static_cast<int>(BodyKind::particles) || shape < 0 ||
+      shape > static_cast<int>(GrainShape::mesh)) {
+    file.refuse(path, "is of a kind that this build does not know");
+    return;
+  }
+  body.kind = static_cast<BodyKind>(kind);
+  body.grain.shape = static_cast<GrainShape>(shape);
+  body.grain.size =
+      Vec3(file.number(path, "grain_size_x"), file.number(path, "grain_size_y"), file.number(path, "grain_size_z"));
+}
+
 SceneBody read_static_body(Hdf5ImageReader& file, const std::string& path) {
   SceneBody body;
   body.name = file.text(path, "name");
   body.look = file.text(path, "look");
   body.simulated = file.integer(path, "simulated") != 0;
+  read_grain(file, path, body);
   read_rows(file, path + "/rest_positions", body.rest_positions);
   read_rows(file, path + "/tets", body.tets);
   read_rows(file, path + "/triangles", body.triangles);
@@ -187,6 +209,8 @@ Result<std::string> encode_static(const SceneStatic& scene, const std::string& k
     file.attribute(body_path(i), "name", body.name);
     file.attribute(body_path(i), "look", body.look);
     file.attribute(body_path(i), "simulated", std::int64_t(body.simulated ? 1 : 0));
+    file.attribute(body_path(i), "kind", static_cast<std::int64_t>(body.kind));
+    write_grain(file, body_path(i), body.grain);
     write_rows(file, body_path(i) + "/rest_positions", body.rest_positions);
     write_rows(file, body_path(i) + "/tets", body.tets);
     write_rows(file, body_path(i) + "/triangles", body.triangles);

@@ -22,12 +22,28 @@ struct Channel {
   std::vector<double> values; ///< rows x components, row after row
 };
 
+/// What a body is made of. Surfaces move their vertices or move as a whole; particles are a cloud whose rows are those
+/// of the channel "position" (particles x 3) and, where they are not round, "orientation" (particles x 4: w, x, y, z).
+enum class BodyKind { surface, particles };
+
+/// The form of each particle of a cloud where it is drawn. Local z is the fibre of a rod or straw, the normal of a card
+/// or coin, the short side of a brick.
+enum class GrainShape { sphere, rod, straw, card, coin, brick, mesh };
+
+/// How a cloud's particles are drawn.
+struct Grain {
+  GrainShape shape = GrainShape::sphere;
+  Vec3 size = Vec3::Constant(0.01); ///< extents along the local axes [m]; of a mesh: its factor along each of them
+};
+
 /// What of a body does not change from frame to frame.
 struct SceneBody {
   std::string name;
+  BodyKind kind = BodyKind::surface;
+  Grain grain;           ///< of particles
   std::string look;      ///< name of its look in the shot; empty: the default
   bool simulated = true; ///< false: a collider that moves as a whole, see FrameBody::transform
-  Points rest_positions; ///< [m]
+  Points rest_positions; ///< [m]; of particles drawn as a mesh: that mesh's vertices about the particle, else none
   Tets tets;             ///< none for surfaces
   Triangles triangles;   ///< what is drawn, outward; indices into the vertices
 };

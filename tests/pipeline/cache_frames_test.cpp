@@ -54,9 +54,12 @@ TEST(FrameCache, GivesBackTheStaticScene) {
   EXPECT_TRUE(cache.has_static());
   const Result<SceneStatic> read = cache.read_static();
   ASSERT_TRUE(read.ok()) << read.error().message;
-  ASSERT_EQ(read->bodies.size(), 2u);
-  for (std::size_t i = 0; i < 2; ++i) {
+  ASSERT_EQ(read->bodies.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(read->bodies[i].name, scene.bodies[i].name);
+    EXPECT_EQ(read->bodies[i].kind, scene.bodies[i].kind);
+    EXPECT_EQ(read->bodies[i].grain.shape, scene.bodies[i].grain.shape);
+    EXPECT_EQ(read->bodies[i].grain.size, scene.bodies[i].grain.size);
     EXPECT_EQ(read->bodies[i].look, scene.bodies[i].look);
     EXPECT_EQ(read->bodies[i].simulated, scene.bodies[i].simulated);
     EXPECT_EQ(read->bodies[i].rest_positions, scene.bodies[i].rest_positions);

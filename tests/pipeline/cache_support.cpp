@@ -102,7 +102,11 @@ SceneStatic make_static() {
   floor.rest_positions = Points::Zero(3, 3);
   floor.triangles.resize(1, 3);
   floor.triangles << 0, 1, 2;
-  return SceneStatic{{body, floor}};
+  SceneBody straw;
+  straw.name = "straw";
+  straw.kind = BodyKind::particles;
+  straw.grain = {GrainShape::straw, Vec3(0.004, 0.005, 0.06)};
+  return SceneStatic{{body, floor, straw}};
 }
 
 StateArchive make_state(int number) {
