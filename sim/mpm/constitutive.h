@@ -1,6 +1,7 @@
 #pragma once
 
 #include "sim/mpm/channels.h"
+#include "sim/mpm/laws.h"
 
 /// Where transfers and materials meet. Seen by kernel files: plain structs, no standard library.
 ///
@@ -12,6 +13,16 @@ namespace wry::mpm {
 /// Material constants in the scalar that the particles have, rounded once from double. One per set of particles (a body
 /// of one material). Those that a kernel does not read are zero. Laws add theirs here.
 template <class Scalar> struct MaterialConstants {
+  Elasticity elasticity_law = Elasticity::hencky;
+  Plasticity plasticity = Plasticity::none;
+  StrainMeasure measure = StrainMeasure::hencky; ///< never automatic
+  Flow flow = Flow::fictitious;
+  FrameMode frame = FrameMode::shape; ///< never automatic
+  bool hardens = false;               ///< friction depends on the flow so far
+  bool corrects_volume = false;       ///< v_c
+  bool uses_maps = false;             ///< A^E and its inverses are read; else the stiffness alone
+  bool block_maps = true;             ///< maps mix normal components only
+  bool reorients = false;             ///< maps come from each particle's second moment
   // Isotropic: of the material itself, or of the fictitious material (C bar).
   Scalar lambda = 0; ///< [Pa]
   Scalar mu = 0;     ///< [Pa]
@@ -27,6 +38,11 @@ template <class Scalar> struct MaterialConstants {
   Scalar critical_compression = 0, critical_stretch = 0, snow_hardening = 0; ///< theta_c, theta_s, xi
   // Shear-limited.
   Scalar shear_limit = 0; ///< k
+  // Grains that reorient: limits {isotropic, parallel, perpendicular} of an axis.
+  Scalar axis_modulus[3] = {}; ///< E [Pa]
+  Scalar axis_ratio[3] = {};   ///< nu of the plane normal to the axis
+  Scalar axis_scale[3] = {};   ///< plastic scale
+  Scalar jeffery = 0;          ///< l = (r^2 - 1) / (r^2 + 1)
 };
 
 /// A run of consecutive whole tiles of one set. Pointers are to the first tile, 64-byte aligned, laid out as

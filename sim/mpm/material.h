@@ -9,22 +9,26 @@
 #include "sim/base/result.h"
 #include "sim/base/types.h"
 #include "sim/mpm/constitutive.h"
+#include "sim/mpm/laws.h"
 
 namespace wry::mpm {
-
-enum class Elasticity { linear, hencky, fixed_corotated };
-enum class Plasticity { none, snow, drucker_prager, shear };
-/// How the material frame is carried (spec S4.3, S7); automatic: polar without plasticity, else shape.
-enum class FrameMode { automatic, polar, shape };
-/// fcr may use either; linear is always Biot, hencky always Hencky.
-enum class StrainMeasure { automatic, hencky, biot };
-/// Direction of Drucker-Prager's flow (spec S5, "Volume").
-enum class Flow { fictitious, isochoric };
 
 /// Row-major 6x6, Mandel.
 using Mandel = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 /// Values along the material's axes; all equal where the material is isotropic.
 using PerAxis = std::array<double, 3>; ///< x, y, z
+
+/// What an axis has when grains point anywhere, all along it, or all across it (spec S8).
+struct AxisLimits {
+  double youngs_modulus = 1e5; ///< [Pa]
+  double poisson_ratio = 0.3;  ///< of the plane normal to the axis: sqrt(nu_ij nu_ji)
+  double plastic_scale = 1.0;
+};
+/// Grains whose directions the flow turns. With it, moduli, ratios and plastic scales come from the limits.
+struct Reorientation {
+  double length_over_width = 5.0; ///< of a grain; below 1: a disc, whose direction is its normal
+  AxisLimits isotropic, parallel, perpendicular;
+};
 
 /// A material as the shot gives it, in doubles and names (spec S2, S3, S5). Angles in radians.
 struct Material {
@@ -51,6 +55,8 @@ struct Material {
     double youngs_modulus, poisson_ratio;
   };
   std::optional<Isotropic> fictitious; ///< C bar; absent: the Frobenius fit
+
+  std::optional<Reorientation> reorientation; ///< absent: grains keep their place in the frame
 
   FrameMode frame = FrameMode::automatic;
   StrainMeasure measure = StrainMeasure::automatic;

@@ -122,7 +122,7 @@ public:
     const Mat3 Pi = mat3(m_input.at("Pi")), D = mat3(m_input.at("D_local"));
     const double l = m_input.at("l");
     const Mat3 next = evolve_second_moment(Pi, D, l, m_input.at("dt"));
-    const Reorientation turned = reorient(next);
+    const DiagonalFrame turned = reorient(next);
     matrix_is("Pi_new", next);
     matrix_is("rhs_eq9", second_moment_rate(Pi, D, l));
     matrix_is("dR", turned.turn);

@@ -40,6 +40,7 @@ struct YieldRule {
 struct Matter {
   Elasticity elasticity = Elasticity::hencky;
   StrainMeasure measure = StrainMeasure::hencky; ///< never automatic
+  FrameMode frame = FrameMode::polar;            ///< never automatic
   StressConjugacy conjugacy = StressConjugacy::exact;
   YieldRule plasticity;
   bool isotropic = true;

@@ -48,8 +48,8 @@ Mat3 second_moment_rate(const Mat3& Pi, const Mat3& D, double shape) {
   return shape * (D * Pi + Pi * D - 2.0 * (D.cwiseProduct(Pi)).sum() * Pi);
 }
 
-Reorientation reorient(const Mat3& second_moment) {
-  Reorientation result{Mat3::Identity(), second_moment};
+DiagonalFrame reorient(const Mat3& second_moment) {
+  DiagonalFrame result{Mat3::Identity(), second_moment};
   Mat3& Pi = result.second_moment;
   for (int sweep = 0; sweep < SWEEPS; ++sweep) {
     for (const auto& [p, q] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}}) {

@@ -25,14 +25,14 @@ Mat3 evolve_second_moment(const Mat3& second_moment, const Mat3& deformation_rat
 Mat3 second_moment_rate(const Mat3& second_moment, const Mat3& deformation_rate, double shape);
 
 /// A turn of the frame that makes its second moment diagonal.
-struct Reorientation {
+struct DiagonalFrame {
   Mat3 turn;          ///< Delta R; the frame becomes Q Delta R
   Mat3 second_moment; ///< Delta R^T Pi Delta R
 };
 
 /// Cyclic Jacobi with rotations of at most 45 degrees: continuous in Pi, never swaps labels, and leaves pairs alone
 /// whose gap is below 1e-3, where any rotation would do.
-Reorientation reorient(const Mat3& second_moment);
+DiagonalFrame reorient(const Mat3& second_moment);
 
 /// Parameters of grains whose directions are spread by any amount, between three limits.
 struct OrientedParameters {
