@@ -160,13 +160,25 @@ template <class Scalar> void Boundaries::constrain_nodes(const BlockCoord& coord
 template void Boundaries::constrain_nodes(const BlockCoord&, float*) const;
 template void Boundaries::constrain_nodes(const BlockCoord&, double*) const;
 
-void Boundaries::walls_near(const BlockCoord& coord, std::vector<int>& walls) const {
+void Boundaries::walls_near(const BlockCoord& coord, std::vector<int>& walls, WallKind kind) const {
   walls.clear();
   for (std::size_t i = 0; i < m_obstacles.size(); ++i) {
     // Particles reach 2.5 cells beyond the block's nodes before they are sorted, and move by less than one.
-    if (m_obstacles[i].has_inside && near_block(m_obstacles[i], coord, 6.0))
+    if ((m_obstacles[i].has_inside || kind == WallKind::all) && near_block(m_obstacles[i], coord, 6.0))
       walls.push_back(static_cast<int>(i));
   }
+}
+
+std::optional<ObstacleContact> Boundaries::nearest_obstacle(const std::vector<int>& walls, const Vec3& point,
+                                                            double reach) const {
+  std::optional<ObstacleContact> nearest;
+  for (const int wall : walls) {
+    const Obstacle& obstacle = m_obstacles[static_cast<std::size_t>(wall)];
+    const scene::ColliderSample sample = obstacle.field.sample(obstacle.pose, point);
+    if (sample.distance < (nearest ? nearest->distance : reach))
+      nearest = ObstacleContact{sample.distance, sample.normal, obstacle.twist.at(point)};
+  }
+  return nearest;
 }
 
 bool Boundaries::push_out(const std::vector<int>& walls, Vec3& position, Vec3& velocity) const {

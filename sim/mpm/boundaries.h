@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "sim/base/result.h"
@@ -12,6 +13,16 @@ namespace wry::mpm {
 /// Walls count as at least this many cells thick: matter on both sides of a thinner one would feel each other through
 /// the grid, and could pass.
 inline constexpr double LEAST_WALL_CELLS = 2.0;
+
+/// What a point near an obstacle sees.
+struct ObstacleContact {
+  double distance = 0.0;        ///< [m], negative inside
+  Vec3 normal = Vec3::UnitY();  ///< away from the obstacle
+  Vec3 velocity = Vec3::Zero(); ///< of the obstacle's matter there [m/s]
+};
+
+/// Which obstacles count as walls: those that particles can get through, or planes too.
+enum class WallKind { with_inside, all };
 
 /// Obstacles and prescribed velocities on the grid, and what keeps particles out of walls.
 class Boundaries {
@@ -28,10 +39,12 @@ public:
   template <class Scalar> void constrain_nodes(const BlockCoord& coord, Scalar* values) const;
 
   /// Which obstacles a particle of this block may be in at the end of the step; by index, ascending.
-  void walls_near(const BlockCoord& coord, std::vector<int>& walls) const;
+  void walls_near(const BlockCoord& coord, std::vector<int>& walls, WallKind kind = WallKind::with_inside) const;
   /// Puts a particle back to the surface of the walls it is in and takes away the velocity into them. Returns whether
   /// it had to.
   bool push_out(const std::vector<int>& walls, Vec3& position, Vec3& velocity) const;
+  /// The wall that is nearest to a point, if one is nearer than `reach` [m].
+  std::optional<ObstacleContact> nearest_obstacle(const std::vector<int>& walls, const Vec3& point, double reach) const;
 
 private:
   struct Obstacle {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/base/types.h"
+#include "sim/mpm/grains/sub_particle_settings.h"
 #include "sim/mpm/kernels/transfer.h"
 #include "sim/mpm/material.h"
 #include "sim/scene/collider.h"
@@ -30,6 +31,8 @@ struct MpmBody {
   std::shared_ptr<const Quaternions> frames;
   std::vector<double> stiffness_scale; ///< per particle; empty: 1
   std::vector<double> strength_scale;  ///< per particle; empty: 1
+  /// Grains that are drawn in place of the particles it starts with; absent: none, at no cost.
+  std::optional<SubParticleSettings> sub_particles;
 };
 
 /// A part of space in which matter moves as prescribed.

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/rotation.h"
+#include "sim/mpm/matter/stretch.h"
 
 namespace wry::mpm {
 
@@ -192,6 +193,60 @@ Vec3 world_position(const ParticleSet<Scalar>& particles, const BlockRun& run, s
   return position;
 }
 
+namespace {
+
+/// Q of a particle: as it is carried, or in polar frames turned with the elastic deformation.
+template <class Scalar> Vec4 world_frame(const ParticleSet<Scalar>& particles, std::size_t place, FrameMode mode) {
+  Vec4 frame;
+  for (int c = 0; c < 4; ++c)
+    frame[c] = particles.at(Channel::frame, place, c);
+  if (mode != FrameMode::polar)
+    return frame.normalized();
+  Mat3 F;
+  for (int c = 0; c < 9; ++c)
+    F(c / 3, c % 3) = particles.at(Channel::deformation, place, c);
+  return quaternion_product(quaternion_of(left_polar(F).rotation), frame).normalized();
+}
+
+/// Channels of what has axes: orientation (w, x, y, z), and of grains that reorient their second moment in the world
+/// (xx yy zz yz zx xy).
+template <class Scalar>
+void add_axes(const MpmBody& body, const SortedSet<Scalar>& set, std::size_t count, FrameBody& frame) {
+  if (!set.particles.has(Channel::frame))
+    return;
+  const bool flows = body.material.plasticity != Plasticity::none;
+  const FrameMode mode = body.material.frame != FrameMode::automatic ? body.material.frame
+                         : flows                                     ? FrameMode::shape
+                                                                     : FrameMode::polar;
+  wry::Channel orientation{"orientation", ChannelOn::particle, 4, ChannelStorage::float32,
+                           std::vector<double>(count * 4)};
+  wry::Channel moment{"second_moment", ChannelOn::particle, 6, ChannelStorage::float32, {}};
+  const bool reorients = set.particles.has(Channel::second_moment);
+  moment.values.resize(reorients ? count * 6 : 0);
+  for_places(set, [&](const BlockRun&, std::size_t place) {
+    const std::size_t row = static_cast<std::size_t>(identity_of(set.particles.at(Channel::identity, place, 0)));
+    const Vec4 q = world_frame(set.particles, place, mode);
+    for (std::size_t c = 0; c < 4; ++c)
+      orientation.values[row * 4 + c] = q[static_cast<Eigen::Index>(c)];
+    if (!reorients)
+      return;
+    constexpr int ORDER[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {2, 0}, {0, 1}};
+    Mat3 local;
+    for (int c = 0; c < 6; ++c)
+      local(ORDER[c][0], ORDER[c][1]) = local(ORDER[c][1], ORDER[c][0]) =
+          set.particles.at(Channel::second_moment, place, c);
+    const Mat3 R = rotation_matrix(q);
+    const Mat3 world = R * local * R.transpose();
+    for (std::size_t c = 0; c < 6; ++c)
+      moment.values[row * 6 + c] = world(ORDER[c][0], ORDER[c][1]);
+  });
+  frame.channels.push_back(std::move(orientation));
+  if (reorients)
+    frame.channels.push_back(std::move(moment));
+}
+
+} // namespace
+
 template <class Scalar> FrameBody snapshot_body(const MpmBody& body, const SortedSet<Scalar>& set, double cell) {
   const std::size_t count = set.count();
   wry::Channel position{"position", ChannelOn::particle, 3, ChannelStorage::float64, std::vector<double>(count * 3)};
@@ -212,6 +267,7 @@ template <class Scalar> FrameBody snapshot_body(const MpmBody& body, const Sorte
   FrameBody frame;
   frame.name = body.name;
   frame.channels = {std::move(position), std::move(velocity), std::move(speed)};
+  add_axes(body, set, count, frame);
   return frame;
 }
 

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/base/parallel.h"
+#include "sim/mpm/boundaries.h"
+#include "sim/mpm/grains/sub_particle_settings.h"
+#include "sim/mpm/grid.h"
+#include "sim/state/frame.h"
+#include "sim/state/state_archive.h"
+
+namespace wry::mpm {
+
+/// What a grain takes in memory, with its place in the order.
+inline constexpr std::size_t BYTES_PER_GRAIN = 150;
+
+/// Where grains start.
+struct SubParticleStart {
+  const Points& positions;   ///< of the particles [m]
+  double particle_volume;    ///< [m^3]
+  const Quaternions& frames; ///< of the particles; one row: the same for all
+  Vec3 velocity = Vec3::Zero();
+  double density = 1000.0; ///< rho_0 [kg/m^3]
+};
+
+/// How many grains are where.
+struct SubParticleCounts {
+  std::size_t carried = 0, flying = 0, resting = 0;
+};
+
+/// The grains of a body: points with an orientation that are carried by the grid's velocity, fly by themselves where
+/// the matter has torn, and come to rest on obstacles. They do not act on anything.
+class SubParticles {
+public:
+  SubParticles(SubParticleSettings settings, const SubParticleStart& start);
+
+  std::size_t count() const { return m_state.size(); }
+  const SubParticleSettings& settings() const { return m_settings; }
+
+  /// A step of the simulation has been made on this grid, whose nodes have velocities [m/s] and masses [kg]. Grains are
+  /// brought up to date when the fastest may have gone `travel`, and when `now` says so (a frame ends).
+  enum class When { as_needed, now };
+  template <class Scalar>
+  void follow(const Grid<Scalar>& grid, const Boundaries& boundaries, const Vec3& gravity, double cell, double dt,
+              double max_speed, double max_gradient, When when, const Threads& threads);
+
+  SubParticleCounts counts() const;
+  /// Updates made so far, and grains updated in them.
+  std::size_t updates() const { return m_updates; }
+
+  /// Channels position, orientation (w, x, y, z), size (3, [m]), velocity,
+  /// phase (0 carried, 1 flying, 2 resting).
+  FrameBody snapshot() const;
+  SceneBody scene_body() const;
+  void archive(const std::string& prefix, StateArchive& to) const;
+  /// Errors: io naming the array that is missing or does not fit.
+  Status restore(const std::string& prefix, const StateArchive& from);
+
+private:
+  enum class Phase : std::uint8_t { carried, flying, resting };
+  /// Grains of one block of the grid.
+  struct Run {
+    BlockCoord coord;
+    std::size_t begin = 0, end = 0; ///< of m_order
+  };
+  struct Field;
+
+  void sort(double cell);
+  void update_run(const Run& run, const Field& field);
+  void carry(std::size_t grain, const Field& field);
+  void fly(std::size_t grain, const Field& field);
+  void meet_obstacles(std::size_t grain, const Field& field);
+
+  SubParticleSettings m_settings;
+  double m_density = 0.0; ///< rho_0 [kg/m^3]
+  double m_fastest = 0.0; ///< flying grain at the last update [m/s]
+  double m_pending = 0.0; ///< time that has passed since the last update [s]
+  double m_gone = 0.0;    ///< cells that the fastest may have gone in it
+  double m_turned = 0.0;  ///< dt |L| in it
+  std::size_t m_updates = 0;
+  std::vector<Vec3> m_position, m_velocity, m_spin; ///< [m], [m/s], [rad/s]
+  std::vector<Vec4> m_orientation;
+  std::vector<Phase> m_state;
+  std::vector<std::uint8_t> m_blend;  ///< updates over which a captured grain still takes up the matter's velocity
+  std::vector<float> m_size;          ///< relative
+  std::vector<std::uint32_t> m_order; ///< grains by block
+  std::vector<Run> m_runs;
+};
+
+} // namespace wry::mpm
