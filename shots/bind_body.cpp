@@ -36,10 +36,8 @@ Shape bind_shape(const Reader& body, const std::string& directory) {
     const Reader shape = body.child("torus");
     return TorusShape{shape.number("radius"), shape.number("tube_radius")};
   }
-  Located<std::string> path = body.text("mesh");
-  const bool is_tet_mesh = ends_with_msh(*path);
-  path.value = (std::filesystem::path(directory) / *path).lexically_normal().string();
-  return MeshShape{path, is_tet_mesh};
+  const Located<std::string> path = bind_path(body, "mesh", directory);
+  return MeshShape{path, ends_with_msh(*path)};
 }
 
 std::optional<Size> bind_size(const Reader& body) {
@@ -61,6 +59,26 @@ Located<double> bind_units(const Reader& body) {
 
 } // namespace
 
+void bind_placement(const Reader& reader, Placed& placed) {
+  placed.size = bind_size(reader);
+  placed.scale = reader.number("scale");
+  placed.scale.value = reader.has("scale") ? *placed.scale : 1.0; // `size` takes its place
+  placed.metres_per_unit = bind_units(reader);
+  if (const auto up = reader.optional_text("up")) {
+    placed.up = Located<Axis>(axis_of(**up), up->source);
+  }
+  for (const Reader& rotation : reader.children("rotate")) {
+    placed.rotate.push_back(Rotation{rotation.vector("axis"), rotation.number("degrees")});
+  }
+  placed.translate = reader.vector("translate");
+}
+
+Located<std::string> bind_path(const Reader& reader, const std::string& key, const std::string& directory) {
+  Located<std::string> path = reader.text(key);
+  path.value = (std::filesystem::path(directory) / *path).lexically_normal().string();
+  return path;
+}
+
 Axis axis_of(const std::string& word) {
   return word == "x" ? Axis::x : word == "z" ? Axis::z : Axis::y;
 }
@@ -70,17 +88,7 @@ Body bind_body(const Reader& reader, const std::string& directory) {
   body.source = reader.source();
   body.name = reader.text("name");
   body.shape = bind_shape(reader, directory);
-  body.size = bind_size(reader);
-  body.scale = reader.number("scale");
-  body.scale.value = reader.has("scale") ? *body.scale : 1.0; // `size` takes its place
-  body.metres_per_unit = bind_units(reader);
-  if (const auto up = reader.optional_text("up")) {
-    body.up = Located<Axis>(axis_of(**up), up->source);
-  }
-  for (const Reader& rotation : reader.children("rotate")) {
-    body.rotate.push_back(Rotation{rotation.vector("axis"), rotation.number("degrees")});
-  }
-  body.translate = reader.vector("translate");
+  bind_placement(reader, body);
   body.velocity = reader.vector("velocity");
   if (reader.has("shell")) {
     const Reader shell = reader.child("shell");

@@ -32,23 +32,6 @@ Fixed bind_fixed(const Reader& reader) {
   return fixed;
 }
 
-Collider bind_collider(const Reader& reader) {
-  Collider collider;
-  collider.source = reader.source();
-  collider.name = reader.text("name");
-  const Reader shape = reader.child("plane");
-  PlaneShape plane{shape.vector("point"), shape.vector("normal")};
-  const auto height = shape.optional_number("height");
-  if (!shape.has("point") && height) {
-    const double length = plane.normal->norm();
-    plane.point = Located<Vec3>(length > 0.0 ? Vec3(plane.normal.value * (**height / length)) : Vec3(Vec3::Zero()),
-                                height->source);
-  }
-  collider.shape = plane;
-  collider.friction = reader.number("friction");
-  return collider;
-}
-
 Look bind_look(const Reader& reader, const std::string& name) {
   Look look;
   look.source = reader.source();
@@ -156,7 +139,7 @@ Shot bind_shot(const Table& checked, const std::string& file, const std::string&
     shot.fixed.push_back(bind_fixed(fixed));
   }
   for (const Reader& collider : root.children("collider")) {
-    shot.colliders.push_back(bind_collider(collider));
+    shot.colliders.push_back(bind_collider(collider, directory, *shot.shot.up));
   }
   for (const auto& [name, look] : root.named_children("look")) {
     shot.looks.push_back(bind_look(look, name));

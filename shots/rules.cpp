@@ -36,6 +36,11 @@ public:
         check_region(fixed.where);
       }
     }
+    for (const Collider& collider : m_shot.colliders) {
+      if (sound(collider)) {
+        check_collider(collider);
+      }
+    }
     for (const Measure& measure : m_shot.measures) {
       if (sound(measure)) {
         check_measure(measure);
@@ -101,6 +106,52 @@ private:
     }
     if (!is_mesh && body.up) {
       refuse(body.up->source, advice);
+    }
+  }
+
+  void check_collider(const Collider& collider) {
+    const auto* box = std::get_if<OpenBoxShape>(&collider.shape);
+    const auto* mesh = std::get_if<ColliderMeshShape>(&collider.shape);
+    if (box) {
+      check_container(*box, collider.source);
+    }
+    if (std::holds_alternative<PlaneShape>(collider.shape) &&
+        (!collider.rotate.empty() || collider.size || *collider.scale != 1.0 || !collider.translate->isZero(0.0))) {
+      refuse(collider.source,
+             ": a plane stands by its point (or height) and normal; remove rotate, translate, size and "
+             "scale");
+    }
+    if (!mesh && *collider.motion.from == MotionFrom::file) {
+      refuse(collider.motion.from.source, " = \"file\": only a mesh has a file to take its motion from");
+    }
+    if (*collider.motion.from == MotionFrom::file && !collider.motion.keys.empty()) {
+      refuse(collider.motion.keys.front().source, ": motion = \"file\" takes no keys; remove one of them");
+    }
+    check_motion(collider.motion);
+  }
+
+  void check_container(const OpenBoxShape& box, const Source& source) {
+    if (!box.open.empty() && !box.wall) {
+      refuse(below(source, "box.wall"), " is missing: a box with open sides is its walls, and they need a thickness");
+    }
+    if (box.open.empty() && box.wall) {
+      refuse(box.wall->source, ": the box has no open side, so it is solid; remove wall, or name a side in open");
+    }
+    if (box.wall && 2.0 * **box.wall >= box.size->minCoeff()) {
+      refuse(box.wall->source, fmt::format(" = {}: expected less than half of the least length, {}", **box.wall,
+                                           0.5 * box.size->minCoeff()));
+    }
+  }
+
+  void check_motion(const Motion& motion) {
+    for (std::size_t i = 1; i < motion.keys.size(); ++i) {
+      const Located<double>& time = motion.keys[i].time;
+      if (*time <= *motion.keys[i - 1].time) {
+        refuse(time.source, fmt::format(" = {}: expected more than the {} s of the key before it; keys stand in order "
+                                        "of time",
+                                        *time, *motion.keys[i - 1].time));
+        return;
+      }
     }
   }
 

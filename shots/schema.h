@@ -150,6 +150,10 @@ Section fem_section();
 Section render_section();
 Section measure_section();
 Section expect_section();
+/// size, scale, units, up, rotate, translate: how a shape or mesh file comes into the shot's world.
+std::vector<Field> placement_fields();
+/// keys, pivot, ease: how something moves as a whole.
+std::vector<Field> motion_fields();
 /// where = { ... }: how nodes are picked.
 Section region_section();
 

@@ -60,7 +60,9 @@ Field size_field() {
   return nested("size", Kind::table, section, section.doc);
 }
 
-std::vector<Field> placement() {
+} // namespace
+
+std::vector<Field> placement_fields() {
   Section rotation;
   rotation.doc = "A rotation about an axis through the origin.";
   rotation.fields = {
@@ -87,9 +89,10 @@ std::vector<Field> placement() {
       nested("rotate", Kind::table_list, rotation,
              "One rotation or a list of them, applied in order after size and scale."),
       numbers("translate", 3, "m", between(-1e9, 1e9), "Where it is moved to, last.").standard(number_list({0, 0, 0})),
-      numbers("velocity", 3, "m/s", between(-1e6, 1e6), "Velocity at the start.").standard(number_list({0, 0, 0})),
   };
 }
+
+namespace {
 
 std::vector<Field> discretisation() {
   Section shell;
@@ -117,7 +120,11 @@ Section body_section() {
   Section section;
   section.doc = "A solid: its shape, where it stands, what it is made of.";
   section.fields = {plain("name", Kind::name, "Names it in keys, files and messages.").required()};
-  for (std::vector<Field> part : {shapes(), placement(), discretisation()}) {
+  for (std::vector<Field> part :
+       {shapes(), placement_fields(),
+        std::vector<Field>{numbers("velocity", 3, "m/s", between(-1e6, 1e6), "Velocity at the start.")
+                               .standard(number_list({0, 0, 0}))},
+        discretisation()}) {
     section.fields.insert(section.fields.end(), part.begin(), part.end());
   }
   section.fields.push_back(reference("material", "material", "The name of a [material.X].").required());

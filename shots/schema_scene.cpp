@@ -54,7 +54,33 @@ Section fixed_section() {
   return section;
 }
 
-Section collider_section() {
+std::vector<Field> motion_fields() {
+  Section key;
+  key.doc = "Where it is at a time, relative to where it rests; what is left out is as in the key before, or zero.";
+  key.fields = {
+      number("time", "s", between(-1e9, 1e9), "The time of the key; times ascend.").called("time").required(),
+      numbers("translate", 3, "m", place(), "How far it has moved.").default_is("as in the key before"),
+      plain("axis", Kind::direction,
+            "The axis of the turn. Between keys of one axis the angle is interpolated, so it may turn many times; "
+            "between others it goes the shortest way.")
+          .default_is("as in the key before, or up"),
+      number("degrees", "degrees", between(-1e9, 1e9), "How far it has turned about the pivot.")
+          .called("angle")
+          .default_is("as in the key before"),
+  };
+  return {
+      nested("keys", Kind::table_list, key, "How it moves as a whole: a list of keys."),
+      numbers("pivot", 3, "m", place(), "The point about which it turns.").standard(number_list({0, 0, 0})),
+      choice("ease",
+             {{"linear", "at constant speed from key to key", ""}, {"smooth", "each key is reached at rest", ""}},
+             "How it goes from key to key.")
+          .standard("linear"),
+  };
+}
+
+namespace {
+
+std::vector<Field> collider_shapes() {
   Section plane;
   plane.doc = "A half-space that bodies stay out of.";
   plane.fields = {
@@ -65,17 +91,64 @@ Section collider_section() {
       plain("normal", Kind::direction, "Towards the free side: \"y\" or [x, y, z].").default_is("up"),
   };
   plane.one_of = {{{{"point"}, {"height"}}, false, "place"}};
+  return {
+      nested("plane", Kind::table, plane, plane.doc),
+      variant(
+          "box",
+          {numbers("size", 3, "m", positive(1e9), "Lengths along x, y, z.").called("lengths").required(),
+           word_list("open",
+                     {{"-x", "", ""}, {"+x", "", ""}, {"-y", "", ""}, {"+y", "", ""}, {"-z", "", ""}, {"+z", "", ""}},
+                     "Sides that are left out: a container.")
+               .default_is("none: it is solid"),
+           number("wall", "m", positive(1e9), "Thickness of the walls of a container, inside size.")
+               .called("thickness")
+               .default_is("none; a container needs it")},
+          "A box around the origin, placed by rotate and translate."),
+      variant("sphere", {number("radius", "m", positive(1e9), "Radius.").called("radius").required()},
+              "A ball around the origin."),
+      variant("cylinder",
+              {number("radius", "m", positive(1e9), "Radius.").called("radius").required(),
+               number("height", "m", positive(1e9), "Length along y.").called("height").required()},
+              "A solid cylinder along y, its middle at the origin."),
+      plain("mesh", Kind::path, "An artist mesh: solid when it is closed, else a sheet with two sides."),
+  };
+}
+
+} // namespace
+
+Section collider_section() {
   Section section;
   section.doc = "An obstacle that bodies rest on.";
   section.fields = {
-      plain("name", Kind::name, "Names it in keys and messages.").default_is("collider1, collider2, ..."),
-      nested("plane", Kind::table, plane, plane.doc),
-      number("friction", "", at_least_zero(1e6), "Coulomb's coefficient.").called("coefficient").standard(0.5),
+      plain("name", Kind::name, "Names it in keys and messages.").default_is("collider1, collider2, ...")};
+  const std::vector<Field> mesh_fields = {
+      plain("node", Kind::text, "Of a mesh: only what hangs from the node of this name.").default_is("all of the file"),
+      number("thickness", "m", at_least_zero(1e9), "Of an open mesh; grid methods feel at least a cell.")
+          .called("thickness")
+          .standard(0.0),
   };
-  section.one_of = {{{{"plane"}}, true, "shape"}};
-  section.later = {{"box", "box colliders"},     {"sphere", "sphere colliders"},
-                   {"mesh", "mesh colliders"},   {"motion", "moving colliders"},
-                   {"keys", "moving colliders"}, {"contact", "sticky and separating colliders"}};
+  const std::vector<Field> behaviour = {
+      number("friction", "", at_least_zero(1e6), "Coulomb's coefficient.").called("coefficient").standard(0.5),
+      choice("contact",
+             {{"separate", "matter may leave it, and slides with friction", ""},
+              {"slip", "matter slides with friction, but does not leave", ""},
+              {"sticky", "matter that touches it stays", ""}},
+             "What touching matter may do; solids (FEM) know separate only.")
+          .standard("separate"),
+      choice("motion", {{"keys", "along keys", ""}, {"file", "the animation of its node in the mesh file", ""}},
+             "Where its motion comes from.")
+          .standard("keys"),
+  };
+  for (const std::vector<Field>& part :
+       {collider_shapes(), mesh_fields, placement_fields(), behaviour, motion_fields()})
+    section.fields.insert(section.fields.end(), part.begin(), part.end());
+  section.fields.push_back(reference("look", "look", "The name of a [look.X], or a built-in look.")
+                               .default_is("a neutral look")
+                               .affects(Effect::pictures));
+  section.fields.push_back(
+      boolean("show", "Whether it is drawn; planes are drawn as the ground.").standard(true).affects(Effect::pictures));
+  section.one_of = {{{{"plane"}, {"box"}, {"sphere"}, {"cylinder"}, {"mesh"}}, true, "shape"},
+                    {{{"size"}, {"scale"}}, false, "size"}};
   return section;
 }
 

@@ -92,17 +92,21 @@ struct Shell {
 /// How the cells of structured meshes are cut into tets.
 enum class CellSplit { symmetric, kuhn };
 
+/// How a shape or mesh file comes into the shot's world.
+struct Placed {
+  std::optional<Size> size;        ///< excludes scale
+  Located<double> scale;           ///< after units
+  Located<double> metres_per_unit; ///< from `units`: of mesh files
+  std::optional<Located<Axis>> up; ///< up axis of the mesh file; absent: as the shot's
+  std::vector<Rotation> rotate;    ///< applied in order, about the origin, after size and scale
+  Located<Vec3> translate;         ///< [m], last
+};
+
 /// [[body]]
-struct Body {
+struct Body : Placed {
   Source source; ///< of the table
   Located<std::string> name;
   Shape shape;
-  std::optional<Size> size;                  ///< excludes scale
-  Located<double> scale;                     ///< after units
-  Located<double> metres_per_unit;           ///< from `units`: of mesh files
-  std::optional<Located<Axis>> up;           ///< up axis of the mesh file; absent: as the shot's
-  std::vector<Rotation> rotate;              ///< applied in order, about the origin, after size and scale
-  Located<Vec3> translate;                   ///< [m], last
   std::optional<Shell> shell;                ///< hollow it; absent: solid
   std::optional<Located<double>> resolution; ///< target edge [m]; required unless cells are given or it is a tet mesh
   std::optional<Located<std::array<std::int64_t, 3>>> cells; ///< along x, y, z; of box, rod, sheet, cylinder
@@ -187,14 +191,51 @@ struct PlaneShape {
   Located<Vec3> point;  ///< [m]
   Located<Vec3> normal; ///< not zero, not normalised
 };
-using ColliderShape = std::variant<PlaneShape>;
+/// Around the origin before it is placed; with open sides only its walls.
+struct OpenBoxShape {
+  Located<Vec3> size;                     ///< [m]
+  std::vector<Located<std::string>> open; ///< "-x", "+x", ...
+  std::optional<Located<double>> wall;    ///< [m]; there when a side is open
+};
+/// mesh = "...", or what hangs from one of its nodes.
+struct ColliderMeshShape {
+  Located<std::string> path;
+  std::optional<Located<std::string>> node;
+  Located<double> thickness; ///< of an open mesh [m]
+};
+using ColliderShape = std::variant<PlaneShape, OpenBoxShape, SphereShape, CylinderShape, ColliderMeshShape>;
+
+/// keys = [{ ... }, ...]: where something that moves as a whole is at a time, relative to where it rests. What a key
+/// leaves out is as in the key before it, or zero.
+struct MotionKey {
+  Source source;
+  Located<double> time;          ///< [s]
+  Vec3 translate = Vec3::Zero(); ///< [m]
+  Vec3 axis = Vec3::UnitY();     ///< not normalised
+  double degrees = 0.0;
+};
+enum class Ease { linear, smooth };
+/// From which animation a collider takes its motion.
+enum class MotionFrom { keys, file };
+struct Motion {
+  Located<MotionFrom> from;
+  std::vector<MotionKey> keys;
+  Located<Vec3> pivot; ///< [m]
+  Located<Ease> ease;
+};
+
+enum class ColliderContact { separate, slip, sticky };
 
 /// [[collider]]
-struct Collider {
+struct Collider : Placed {
   Source source;
   Located<std::string> name;
   ColliderShape shape;
   Located<double> friction;
+  Located<ColliderContact> contact;
+  Motion motion;
+  std::optional<Located<std::string>> look; ///< absent: a default look
+  Located<bool> show;
 };
 
 /// [look.X]

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "sim/fem/fem_plan.h"
+#include "sim/scene/collider.h"
 
 namespace wry {
 
@@ -12,6 +14,7 @@ struct SimPlan {
   int first_frame = 1; ///< the frame at t = 0
   int last_frame = 1;  ///< simulated to the time of this frame
   Vec3 up = Vec3::UnitY();
+  std::vector<std::shared_ptr<const scene::Collider>> colliders; ///< all of them, for pictures and every method
   fem::FemPlan fem;
 
   /// Time of a frame [s].

@@ -1,5 +1,6 @@
 #include "pipeline/plan/compile_render.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -86,6 +87,20 @@ std::string channel_unit(const std::string& channel) {
       return unit;
   }
   return "";
+}
+
+void dress_scene(const shots::Shot& shot, SceneStatic& scene) {
+  for (SceneBody& body : scene.bodies) {
+    if (const shots::Body* asked = shot.find_body(body.name); asked != nullptr && body.simulated)
+      body.look = asked->look ? **asked->look : std::string();
+    const auto collider = std::find_if(shot.colliders.begin(), shot.colliders.end(),
+                                       [&](const shots::Collider& one) { return *one.name == body.name; });
+    if (body.simulated || collider == shot.colliders.end())
+      continue;
+    body.look = collider->look ? **collider->look : std::string();
+    if (!*collider->show)
+      body.triangles.resize(0, 3);
+  }
 }
 
 Result<render::RenderPlan> compile_render(const shots::Shot& shot, const SequenceFacts& facts,

@@ -31,4 +31,8 @@ Eigen::Vector3f linear_colour(const Vec3& srgb);
 /// The unit of a channel that the frames have, for colour bars; empty when it has none.
 std::string channel_unit(const std::string& channel);
 
+/// Gives every body and collider of a cached scene the look that the shot names now, and takes the triangles from
+/// colliders that are not shown: neither makes frames stale.
+void dress_scene(const shots::Shot& shot, SceneStatic& scene);
+
 } // namespace wry::pipeline

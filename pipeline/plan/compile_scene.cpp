@@ -7,6 +7,7 @@
 
 #include "pipeline/cache/sha256.h"
 #include "pipeline/plan/build_id.h"
+#include "pipeline/plan/compile_collider.h"
 #include "pipeline/plan/compile_fem.h"
 #include "pipeline/plan/compile_region.h"
 #include "pipeline/plan/mesh_body.h"
@@ -117,9 +118,21 @@ Status SceneCompiler::compile_fixed() {
 }
 
 Status SceneCompiler::compile_colliders() {
-  for (const shots::Collider& collider : m_shot.colliders) {
-    const shots::PlaneShape& plane = std::get<shots::PlaneShape>(collider.shape);
-    m_plan.sim.fem.planes.push_back({*collider.name, *plane.point, plane.normal->normalized(), *collider.friction});
+  for (const shots::Collider& asked : m_shot.colliders) {
+    Result<CompiledCollider> compiled = compile_collider(asked, *m_shot.shot.up);
+    if (!compiled)
+      return compiled.error();
+    const scene::Collider& collider = *compiled->collider;
+    const auto* plane = std::get_if<scene::PlaneObstacle>(&collider.shape);
+    if (plane != nullptr && !collider.motion.moves())
+      m_plan.sim.fem.planes.push_back({collider.name, collider.motion.pose(0.0).apply(plane->point),
+                                       collider.motion.pose(0.0).rotation * plane->normal, collider.friction});
+    else if (!m_plan.sim.fem.bodies.empty())
+      return at_source(asked.source, make_error(ErrorCode::unavailable,
+                                                "solids only know planes that stand still; this build has no contact "
+                                                "with other colliders"));
+    m_plan.assets.insert(m_plan.assets.end(), compiled->assets.begin(), compiled->assets.end());
+    m_plan.sim.colliders.push_back(std::move(compiled->collider));
   }
   return {};
 }

@@ -37,18 +37,6 @@ geometry::Axis axis_of(shots::Axis axis) {
   return static_cast<geometry::Axis>(axis);
 }
 
-scene::Placement placement_of(const shots::Body& body, shots::Axis up) {
-  scene::Placement placement;
-  placement.up = axis_of(up);
-  if (body.size)
-    placement.size = scene::SizeRule{static_cast<scene::SizeMeasure>(body.size->measure), *body.size->length};
-  placement.scale = *body.scale;
-  for (const shots::Rotation& turn : body.rotate)
-    placement.rotate.push_back({*turn.axis, *turn.degrees});
-  placement.translate = *body.translate;
-  return placement;
-}
-
 Vec3 extent_of(const Points& points) {
   return (points.colwise().maxCoeff() - points.colwise().minCoeff()).transpose();
 }
@@ -254,7 +242,7 @@ Result<MeshedBody> BodyMesher::mesh() {
     return made.error();
   Points* points = made->surface ? &made->surface->vertices : made->tets ? &made->tets->vertices : nullptr;
   const Vec3 extent = points != nullptr ? extent_of(*points) : made->block->size;
-  const Result<scene::Similarity> placed = scene::placement_similarity(placement_of(m_body, m_up), extent);
+  const Result<scene::Similarity> placed = scene::placement_similarity(compile_placement(m_body, m_up), extent);
   if (!placed)
     return located(m_body.source, placed.error());
   // Surfaces are placed before they are filled, so that resolution and thickness are metres of the shot.
@@ -273,6 +261,18 @@ Result<MeshedBody> BodyMesher::mesh() {
 }
 
 } // namespace
+
+scene::Placement compile_placement(const shots::Placed& placed, shots::Axis up) {
+  scene::Placement placement;
+  placement.up = axis_of(up);
+  if (placed.size)
+    placement.size = scene::SizeRule{static_cast<scene::SizeMeasure>(placed.size->measure), *placed.size->length};
+  placement.scale = *placed.scale;
+  for (const shots::Rotation& turn : placed.rotate)
+    placement.rotate.push_back({*turn.axis, *turn.degrees});
+  placement.translate = *placed.translate;
+  return placement;
+}
 
 Result<MeshedBody> mesh_body(const shots::Body& body, shots::Axis up) {
   return BodyMesher(body, up).mesh();

@@ -8,6 +8,7 @@
 #include "shots/shot.h"
 #include "sim/base/result.h"
 #include "sim/geometry/tet_mesh.h"
+#include "sim/scene/transform.h"
 
 namespace wry::pipeline {
 
@@ -17,6 +18,9 @@ struct MeshedBody {
   BodyReport report;
   std::vector<Asset> assets;
 };
+
+/// How a shot places a shape or mesh.
+scene::Placement compile_placement(const shots::Placed& placed, shots::Axis up);
 
 /// Makes a body's rest mesh: imports or generates its surface, sizes and places it, fills or hollows it, and holds it
 /// against the quality gate. Errors: bad_input with the body's line; missing_input for a file; unavailable for a part

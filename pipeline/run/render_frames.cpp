@@ -181,9 +181,10 @@ Result<RenderOutcome> render_frames(const shots::Shot& shot, const RenderOptions
   const Result<render::RenderPlan> plan = compile_render(shot, *facts, options.backend);
   if (!plan)
     return plan.error();
-  const Result<SceneStatic> scene = cache->read_static();
+  Result<SceneStatic> scene = cache->read_static();
   if (!scene)
     return scene.error();
+  dress_scene(shot, *scene);
   const std::string settings = fingerprint(*plan, &shot);
   const std::vector<CachedFrame> cached = cache->frames();
 

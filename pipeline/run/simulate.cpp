@@ -9,6 +9,7 @@
 #include "pipeline/cache/verified_folder.h"
 #include "pipeline/plan/plan_report.h"
 #include "pipeline/report/csv.h"
+#include "pipeline/run/collider_frames.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/signals.h"
 #include "shots/load.h"
@@ -45,7 +46,7 @@ private:
   Status advance_to_frame(int frame, Progress& progress);
   Status keep_frame(int frame);
   Status write_checkpoint(int frame);
-  SceneStatic scene_with_looks() const;
+  Result<SceneStatic> whole_scene() const;
 
   const shots::Shot& m_shot;
   const ScenePlan& m_plan;
@@ -66,10 +67,12 @@ int SimulationRun::last_complete_frame() const {
   return frame;
 }
 
-SceneStatic SimulationRun::scene_with_looks() const {
+Result<SceneStatic> SimulationRun::whole_scene() const {
   SceneStatic scene = m_simulation->scene_static();
   for (std::size_t body = 0; body < m_plan.body_looks.size(); ++body)
     scene.bodies[body].look = m_plan.body_looks[body];
+  if (Status status = add_colliders(m_plan.sim, scene); !status)
+    return status.error();
   return scene;
 }
 
@@ -107,8 +110,12 @@ Status SimulationRun::start() {
   if (complete >= first() && m_cache.has_static()) {
     if (Status status = restore(complete); !status)
       return status;
-  } else if (Status status = m_cache.write_static(scene_with_looks()); !status) {
-    return status;
+  } else {
+    const Result<SceneStatic> scene = whole_scene();
+    if (!scene)
+      return scene.error();
+    if (Status status = m_cache.write_static(*scene); !status)
+      return status;
   }
   const int kept_steps = m_steps;
   Result<CsvWriter> stats = CsvWriter::open(m_options.out / "stats.csv", step_columns(), "step", kept_steps);
@@ -123,7 +130,9 @@ Status SimulationRun::keep_frame(int frame) {
     ++m_outcome.frames_kept;
     return {};
   }
-  if (Status status = m_cache.write_frame(m_simulation->snapshot(frame)); !status)
+  Frame snapshot = m_simulation->snapshot(frame);
+  add_collider_poses(m_plan.sim, snapshot);
+  if (Status status = m_cache.write_frame(snapshot); !status)
     return status;
   ++m_outcome.frames_written;
   return write_checkpoint(frame);
