@@ -238,10 +238,11 @@ private:
 };
 
 /// Still until .2 s, tipped by 43 degrees at .7 s, eased in and out.
-bool write_gltf(const Parts& bed, const Parts& body, const std::string& path) {
+bool write_gltf(const Parts& bed, const Parts& body, const Parts& trim, const std::string& path) {
   Gltf gltf;
   const std::string body_mesh = gltf.mesh(body, Vec3::Zero(), "body");
   const std::string bed_mesh = gltf.mesh(bed, HINGE, "bed");
+  const std::string trim_mesh = gltf.mesh(trim, Vec3::Zero(), "trim");
   std::vector<float> times, rotations;
   constexpr int KEYS = 21;
   for (int i = 0; i < KEYS; ++i) {
@@ -256,17 +257,18 @@ bool write_gltf(const Parts& bed, const Parts& body, const std::string& path) {
   const int rotation = gltf.add(rotations, KEYS, "VEC4", FLOAT, "");
   const Vec3 hinge = to_gltf(HINGE);
   std::ofstream file(path, std::ios::binary);
-  file << R"({"asset":{"version":"2.0","generator":"shots/meshes/make/make_truck.cpp","copyright":"Apache-2.0"},)"
-       << R"("scene":0,"scenes":[{"nodes":[0,1]}],)"
-       << fmt::format(R"("nodes":[{{"name":"body","mesh":0}},{{"name":"bed","mesh":1,"translation":[{},{},{}]}}],)",
-                      hinge[0], hinge[1], hinge[2])
-       << fmt::format(R"("meshes":[{},{}],)", body_mesh, bed_mesh)
-       << fmt::format(
-              R"("animations":[{{"name":"tip","samplers":[{{"input":{},"output":{},"interpolation":"LINEAR"}}],)"
-              R"("channels":[{{"sampler":0,"target":{{"node":1,"path":"rotation"}}}}]}}],)",
-              time, rotation)
-       << "\"bufferViews\":" << gltf.views_json() << ",\"accessors\":" << gltf.accessors_json()
-       << ",\"buffers\":" << gltf.buffer_json() << "}\n";
+  file
+      << R"({"asset":{"version":"2.0","generator":"shots/meshes/make/make_truck.cpp","copyright":"Apache-2.0"},)"
+      << R"("scene":0,"scenes":[{"nodes":[0,1,2]}],)"
+      << fmt::format(
+             R"("nodes":[{{"name":"body","mesh":0}},{{"name":"bed","mesh":1,"translation":[{},{},{}]}},{{"name":"trim","mesh":2}}],)",
+             hinge[0], hinge[1], hinge[2])
+      << fmt::format(R"("meshes":[{},{},{}],)", body_mesh, bed_mesh, trim_mesh)
+      << fmt::format(R"("animations":[{{"name":"tip","samplers":[{{"input":{},"output":{},"interpolation":"LINEAR"}}],)"
+                     R"("channels":[{{"sampler":0,"target":{{"node":1,"path":"rotation"}}}}]}}],)",
+                     time, rotation)
+      << "\"bufferViews\":" << gltf.views_json() << ",\"accessors\":" << gltf.accessors_json()
+      << ",\"buffers\":" << gltf.buffer_json() << "}\n";
   file.close();
   return !file.fail();
 }
@@ -281,7 +283,7 @@ int main(int count, char** arguments) {
   const std::string folder = arguments[1];
   const Parts bed = make_bed(), body = make_body(), trim = make_trim();
   if (!write_obj(trim, folder + "/truck_trim.obj") || !write_obj(bed, folder + "/truck_bed.obj") ||
-      !write_obj(body, folder + "/truck_body.obj") || !write_gltf(bed, body, folder + "/truck.gltf")) {
+      !write_obj(body, folder + "/truck_body.obj") || !write_gltf(bed, body, trim, folder + "/truck.gltf")) {
     std::fprintf(stderr, "cannot write to %s\n", folder.c_str());
     return 73;
   }
