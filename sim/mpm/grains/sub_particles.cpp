@@ -4,7 +4,9 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "sim/base/rotation.h"
 #include "sim/mpm/grains/blue_noise.h"
@@ -42,23 +44,23 @@ struct SubParticles::Field {
   struct Axis {
     float w[3], d[3]; ///< weight, and weight times node minus point [cells]
   };
-  static int base_of(double local, Axis& axis) {
-    const int base = static_cast<int>(std::floor(local - 0.5));
-    const float f = static_cast<float>(local - base);
+  /// The first of three nodes along an axis, counted in the halo. Nothing but that count knows the block, so that a
+  /// grain's answer is the same, bit for bit, whichever block it is sorted into.
+  static int first_node(double along, double block_origin, Axis& axis) {
+    const double base = std::floor(along - 0.5);
+    const float f = static_cast<float>(along - base);
     const float w[3] = {0.5F * (1.5F - f) * (1.5F - f), 0.75F - (f - 1.0F) * (f - 1.0F),
                         0.5F * (f - 0.5F) * (f - 0.5F)};
     for (int i = 0; i < 3; ++i) {
       axis.w[i] = w[i];
       axis.d[i] = w[i] * (static_cast<float>(i) - f);
     }
-    return base + 1; // the halo begins a node earlier
+    return std::clamp(static_cast<int>(base - block_origin) + 1, 0, SIDE - 3); // the halo begins a node earlier
   }
   int stencil(const Vec3& point, std::array<Axis, 3>& axes) const {
     int first = 0;
-    for (int k = 0; k < 3; ++k) {
-      const double local = std::clamp(point[k] / cell - origin[k], -0.49, 5.49);
-      first = first * SIDE + base_of(local, axes[static_cast<std::size_t>(k)]);
-    }
+    for (int k = 0; k < 3; ++k)
+      first = first * SIDE + first_node(point[k] / cell, origin[k], axes[static_cast<std::size_t>(k)]);
     return first;
   }
   /// Sum of weights times density, as a share of rho_0.
@@ -74,39 +76,28 @@ struct SubParticles::Field {
     }
     return sum;
   }
-  /// Velocity, weights renormalised over active nodes; false where there is none.
-  bool velocity_at(const Vec3& point, Vec3& velocity) const {
-    std::array<Axis, 3> a;
-    const int first = stencil(point, a);
-    Quad sum = {};
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        const Quad* row = flow + first + (i * SIDE + j) * SIDE;
-        sum += a[0].w[i] * a[1].w[j] * (a[2].w[0] * row[0] + a[2].w[1] * row[1] + a[2].w[2] * row[2]);
-      }
-    }
-    if (!(sum[3] > 1e-6F))
-      return false;
-    velocity = Vec3(sum[0], sum[1], sum[2]) / static_cast<double>(sum[3]);
-    return true;
-  }
-  /// The same with the velocity's gradient as APIC sees it, by least squares over the active nodes (S7).
-  bool motion_at(const Vec3& point, Vec3& velocity, Mat3& gradient) const {
+  /// Velocity, its gradient as APIC sees it, both by least squares over the active nodes (S7), and density. False where
+  /// no node is active.
+  bool motion_at(const Vec3& point, Vec3& velocity, Mat3& gradient, double& share) const {
     std::array<Axis, 3> a;
     const int first = stencil(point, a);
     Quad sum = {}, along[3] = {};
+    float dense = 0.0F;
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) {
         const Quad* row = flow + first + (i * SIDE + j) * SIDE;
         const Quad plain = a[2].w[0] * row[0] + a[2].w[1] * row[1] + a[2].w[2] * row[2];
         const Quad slope = a[2].d[0] * row[0] + a[2].d[1] * row[1] + a[2].d[2] * row[2];
         const float w = a[0].w[i] * a[1].w[j];
+        const float* mass = density + first + (i * SIDE + j) * SIDE;
+        dense += w * (a[2].w[0] * mass[0] + a[2].w[1] * mass[1] + a[2].w[2] * mass[2]);
         sum += w * plain;
         along[0] += a[0].d[i] * a[1].w[j] * plain;
         along[1] += a[0].w[i] * a[1].d[j] * plain;
         along[2] += w * slope;
       }
     }
+    share = dense;
     if (!(sum[3] > 1e-6F))
       return false;
     const double inverse = 1.0 / static_cast<double>(sum[3]);
@@ -177,24 +168,53 @@ SubParticles::SubParticles(SubParticleSettings settings, const SubParticleStart&
   }
 }
 
-/// Grains by block, blocks ascending, grains of a block in their own order.
+/// Grains by block, blocks ascending, grains of a block in their own order: a stable counting sort. A block here stands
+/// half a cell further than the grid's, so that grains may stray by three quarters of a cell before the next sort.
 void SubParticles::sort(double cell) {
-  std::vector<std::pair<BlockCoord, std::uint32_t>> keys(count());
+  BlockIndex found;
+  std::vector<BlockCoord> coords;
+  std::vector<std::int32_t> block_of(count());
+  const double inverse = 1.0 / (cell * BLOCK_SIDE), shift = 0.5 / BLOCK_SIDE;
+  BlockCoord last{std::numeric_limits<std::int64_t>::max(), 0, 0};
+  std::int32_t last_block = 0;
   for (std::size_t i = 0; i < count(); ++i) {
-    const auto block = [&](int axis) {
-      return static_cast<std::int64_t>(std::floor(m_position[i][axis] / (cell * BLOCK_SIDE)));
+    const auto along = [&](int axis) {
+      return static_cast<std::int64_t>(std::floor(m_position[i][axis] * inverse - shift));
     };
-    keys[i] = {{block(0), block(1), block(2)}, static_cast<std::uint32_t>(i)};
+    const BlockCoord coord{along(0), along(1), along(2)};
+    if (coord != last) {
+      const auto [place, is_new] = found.emplace(coord, static_cast<std::int32_t>(coords.size()));
+      if (is_new)
+        coords.push_back(coord);
+      last = coord;
+      last_block = place->second;
+    }
+    block_of[i] = last_block;
   }
-  std::sort(keys.begin(), keys.end());
-  m_order.resize(keys.size());
-  m_runs.clear();
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    m_order[i] = keys[i].second;
-    if (m_runs.empty() || m_runs.back().coord != keys[i].first)
-      m_runs.push_back({keys[i].first, i, i});
-    m_runs.back().end = i + 1;
+  std::vector<std::int32_t> rank(coords.size()), by_coord(coords.size());
+  std::iota(by_coord.begin(), by_coord.end(), 0);
+  std::sort(by_coord.begin(), by_coord.end(), [&](std::int32_t a, std::int32_t b) {
+    return coords[static_cast<std::size_t>(a)] < coords[static_cast<std::size_t>(b)];
+  });
+  m_runs.assign(coords.size(), {});
+  for (std::size_t r = 0; r < by_coord.size(); ++r) {
+    rank[static_cast<std::size_t>(by_coord[r])] = static_cast<std::int32_t>(r);
+    m_runs[r].coord = coords[static_cast<std::size_t>(by_coord[r])];
   }
+  for (std::int32_t& block : block_of) {
+    block = rank[static_cast<std::size_t>(block)];
+    ++m_runs[static_cast<std::size_t>(block)].end;
+  }
+  std::size_t before = 0;
+  for (Run& run : m_runs) {
+    const std::size_t size = run.end;
+    run.begin = run.end = before;
+    before += size;
+  }
+  m_order.resize(count());
+  for (std::size_t i = 0; i < count(); ++i)
+    m_order[m_runs[static_cast<std::size_t>(block_of[i])].end++] = static_cast<std::uint32_t>(i);
+  m_strayed = false;
 }
 
 void SubParticles::meet_obstacles(std::size_t grain, const Field& field) {
@@ -247,35 +267,56 @@ void SubParticles::meet_obstacles(std::size_t grain, const Field& field) {
   }
 }
 
-void SubParticles::carry(std::size_t grain, const Field& field) {
-  Vec3& position = m_position[grain];
-  Vec3 start, middle;
-  Mat3 gradient;
-  if (!field.velocity_at(position, start) || !field.motion_at(position + 0.5 * field.dt * start, middle, gradient)) {
-    m_state[grain] = Phase::flying;
-    return fly(grain, field);
+namespace {
+
+/// The rotation nearest to I + dt C for small dt C, as a quaternion: Newton's iteration, each squaring the error.
+Vec4 small_turn(const Mat3& C, double dt) {
+  Mat3 R = Mat3::Identity() + dt * C;
+  double error = dt * C.norm();
+  for (int i = 0; i < 6 && error > 1e-9; ++i, error *= error) {
+    Mat3 cofactors;
+    cofactors.row(0) = R.row(1).cross(R.row(2));
+    cofactors.row(1) = R.row(2).cross(R.row(0));
+    cofactors.row(2) = R.row(0).cross(R.row(1));
+    R = 0.5 * R + (0.5 / R.row(0).dot(cofactors.row(0))) * cofactors;
   }
+  return Vec4(1.0 + R.trace(), R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+}
+
+} // namespace
+
+/// RK2: the midpoint is predicted with the velocity of the midpoint before, which leaves the order and saves half of
+/// the interpolation. Returns whether there is matter to be carried by.
+bool SubParticles::carry(std::size_t grain, const Field& field) {
+  Vec3& position = m_position[grain];
+  Vec3 middle;
+  Mat3 gradient;
+  double density = 0.0;
+  if (!field.motion_at(position + 0.5 * field.dt * m_velocity[grain], middle, gradient, density) ||
+      density < m_settings.escape_density)
+    return false;
   if (m_blend[grain] > 0) {
     const double own = static_cast<double>(m_blend[grain]--) / (BLEND_UPDATES + 1);
     middle = own * m_velocity[grain] + (1.0 - own) * middle;
   }
   position += field.dt * middle;
   m_velocity[grain] = middle;
-  const Mat3 spin = 0.5 * (gradient - gradient.transpose());
-  m_spin[grain] = Vec3(spin(2, 1), spin(0, 2), spin(1, 0));
+  m_spin[grain] =
+      0.5 * Vec3(gradient(2, 1) - gradient(1, 2), gradient(0, 2) - gradient(2, 0), gradient(1, 0) - gradient(0, 1));
   Vec4& orientation = m_orientation[grain];
-  if (m_settings.jeffery) {
-    const Vec3 before = rotation_matrix(orientation).col(2);
-    const Vec4 turned = quaternion_product(quaternion_exponential(field.dt * m_spin[grain]), orientation);
-    const Vec3 dragged = rotation_matrix(turned).col(2);
-    const Vec3 wanted = turn_direction(before, gradient, *m_settings.jeffery, field.dt);
-    const Vec3 axis = dragged.cross(wanted);
-    const double sine = axis.norm();
-    const Vec3 rest = sine > 1e-12 ? Vec3(std::atan2(sine, dragged.dot(wanted)) / sine * axis) : Vec3::Zero();
-    orientation = quaternion_product(quaternion_exponential(rest), turned).normalized();
-  } else {
-    orientation = quaternion_product(quaternion_of(frame_turn(gradient, field.dt)), orientation).normalized();
+  if (!m_settings.jeffery) {
+    orientation = quaternion_product(small_turn(gradient, field.dt), orientation).normalized();
+    return true;
   }
+  const Vec3 before = rotation_matrix(orientation).col(2);
+  const Vec4 turned = quaternion_product(quaternion_exponential(field.dt * m_spin[grain]), orientation);
+  const Vec3 dragged = rotation_matrix(turned).col(2);
+  const Vec3 wanted = turn_direction(before, gradient, *m_settings.jeffery, field.dt);
+  const Vec3 axis = dragged.cross(wanted);
+  const double sine = axis.norm();
+  const Vec3 rest = sine > 1e-12 ? Vec3(std::atan2(sine, dragged.dot(wanted)) / sine * axis) : Vec3(Vec3::Zero());
+  orientation = quaternion_product(quaternion_exponential(rest), turned).normalized();
+  return true;
 }
 
 void SubParticles::fly(std::size_t grain, const Field& field) {
@@ -285,40 +326,40 @@ void SubParticles::fly(std::size_t grain, const Field& field) {
       quaternion_product(quaternion_exponential(field.dt * m_spin[grain]), m_orientation[grain]).normalized();
 }
 
-void SubParticles::update_run(const Run& run, const Field& field) {
+/// What carries a resting grain; it flies again when that moves or is gone.
+bool SubParticles::rest(std::size_t grain, const Field& field) {
+  const std::optional<ObstacleContact> carrier =
+      field.walls.empty()
+          ? std::nullopt
+          : field.boundaries->nearest_obstacle(field.walls, m_position[grain], m_settings.size.maxCoeff());
+  m_velocity[grain] = carrier ? carrier->velocity : Vec3(Vec3::Zero());
+  return carrier && carrier->velocity.norm() < 1e-9;
+}
+
+/// Returns whether a grain has strayed too far from the block.
+bool SubParticles::update_run(const Run& run, const Field& field) {
+  constexpr double FURTHEST = 0.2; // of the sorted block; an update adds at most half a cell
   const double capture = std::max(m_settings.capture_density, 2.0 * m_settings.escape_density);
+  const double inverse = 1.0 / field.cell;
+  bool strayed = false;
   for (std::size_t i = run.begin; i < run.end; ++i) {
     const std::size_t grain = m_order[i];
-    const double density = field.density_at(m_position[grain]);
-    if (m_state[grain] == Phase::carried && density < m_settings.escape_density) {
-      m_state[grain] = Phase::flying;
-    } else if (m_state[grain] != Phase::carried && density > capture) {
-      m_state[grain] = Phase::carried;
+    Phase& phase = m_state[grain];
+    if (phase != Phase::carried && field.density_at(m_position[grain]) > capture) {
+      phase = Phase::carried;
       m_blend[grain] = BLEND_UPDATES;
     }
-    switch (m_state[grain]) {
-    case Phase::carried:
-      carry(grain, field);
-      break;
-    case Phase::flying:
+    if (phase == Phase::resting && rest(grain, field))
+      continue;
+    if (phase != Phase::carried || !carry(grain, field)) {
+      phase = Phase::flying;
       fly(grain, field);
-      break;
-    case Phase::resting: {
-      const std::optional<ObstacleContact> carrier =
-          field.boundaries->nearest_obstacle(field.walls, m_position[grain], m_settings.size.maxCoeff());
-      if (!carrier || carrier->velocity.norm() > 1e-9) { // what carried it moves or is gone
-        m_state[grain] = Phase::flying;
-        m_velocity[grain] = carrier ? carrier->velocity : Vec3(Vec3::Zero());
-        fly(grain, field);
-      } else {
-        m_velocity[grain].setZero();
-        continue;
-      }
-      break;
-    }
     }
     meet_obstacles(grain, field);
+    const Vec3 local = m_position[grain] * inverse - field.origin;
+    strayed |= local.minCoeff() < 0.5 - FURTHEST || local.maxCoeff() > BLOCK_SIDE + 0.5 + FURTHEST;
   }
+  return strayed;
 }
 
 template <class Scalar>
@@ -329,13 +370,15 @@ void SubParticles::follow(const Grid<Scalar>& grid, const Boundaries& boundaries
   m_turned += dt * max_gradient;
   if (when == When::as_needed && m_gone < m_settings.travel && m_turned < LONGEST_TURN)
     return;
-  sort(cell);
+  if (m_strayed)
+    sort(cell);
   BlockIndex blocks;
   blocks.reserve(grid.block_count());
   for (std::size_t b = 0; b < grid.block_count(); ++b)
     blocks.emplace(grid.coord(b), static_cast<std::int32_t>(b));
   const double whole = m_density * cell * cell * cell;
   std::vector<double> fastest(m_runs.size(), 0.0);
+  std::vector<char> strayed(m_runs.size(), 0);
   threads.for_each(m_runs.size(), 1, [&](std::size_t r) {
     const Run& run = m_runs[r];
     Field field;
@@ -368,13 +411,14 @@ void SubParticles::follow(const Grid<Scalar>& grid, const Boundaries& boundaries
           active ? Quad{static_cast<float>(value[0]), static_cast<float>(value[1]), static_cast<float>(value[2]), 1.0F}
                  : Quad{};
     }
-    update_run(run, field);
+    strayed[r] = update_run(run, field) ? 1 : 0;
     for (std::size_t i = run.begin; i < run.end; ++i) {
       if (m_state[m_order[i]] == Phase::flying)
         fastest[r] = std::max(fastest[r], m_velocity[m_order[i]].norm());
     }
   });
   m_fastest = fastest.empty() ? 0.0 : *std::max_element(fastest.begin(), fastest.end());
+  m_strayed = std::find(strayed.begin(), strayed.end(), 1) != strayed.end();
   m_pending = m_gone = m_turned = 0.0;
   ++m_updates;
 }
@@ -476,6 +520,7 @@ Status SubParticles::restore(const std::string& prefix, const StateArchive& from
   m_gone = pending->values[2];
   m_turned = pending->values[3];
   m_updates = static_cast<std::size_t>(pending->values[4]);
+  m_strayed = true; // a grain's answer does not depend on the block that it is sorted into
   return {};
 }
 

@@ -68,8 +68,9 @@ private:
   struct Field;
 
   void sort(double cell);
-  void update_run(const Run& run, const Field& field);
-  void carry(std::size_t grain, const Field& field);
+  bool update_run(const Run& run, const Field& field);
+  bool carry(std::size_t grain, const Field& field);
+  bool rest(std::size_t grain, const Field& field);
   void fly(std::size_t grain, const Field& field);
   void meet_obstacles(std::size_t grain, const Field& field);
 
@@ -80,6 +81,7 @@ private:
   double m_gone = 0.0;    ///< cells that the fastest may have gone in it
   double m_turned = 0.0;  ///< dt |L| in it
   std::size_t m_updates = 0;
+  bool m_strayed = true;                            ///< grains must be sorted before the next update
   std::vector<Vec3> m_position, m_velocity, m_spin; ///< [m], [m/s], [rad/s]
   std::vector<Vec4> m_orientation;
   std::vector<Phase> m_state;
