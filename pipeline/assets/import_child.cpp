@@ -75,13 +75,14 @@ std::vector<std::string> companion_names(const std::string& gltf) {
   return names;
 }
 
-Result<MeshFile> load(const std::string& path, const std::string& node) {
+Result<MeshFile> load(const std::string& path, const std::string& node, ImportWhat what) {
   MeshFile file;
   const std::size_t slash = path.find_last_of('/');
   const std::string folder = slash == std::string::npos ? "" : path.substr(0, slash + 1);
   file.extension = lower_extension(path);
   file.name = "mesh." + file.extension;
   file.node = node;
+  file.what = what;
   Result<std::string> bytes = read_file(path);
   if (!bytes)
     return std::move(bytes).error();
@@ -99,6 +100,8 @@ Result<MeshFile> load(const std::string& path, const std::string& node) {
 
 Result<RawMesh> decode(MeshFile& file) {
   std::string& bytes = file.files.at(file.name);
+  if (file.extension == "ply" && file.what == ImportWhat::motion)
+    return make_error(ErrorCode::bad_input, "a PLY file has no animation");
   if (file.extension == "ply") {
     if (!file.node.empty())
       return make_error(ErrorCode::bad_input, "a PLY file has no nodes, so none can be called '{}'", file.node);
@@ -115,10 +118,11 @@ Result<RawMesh> decode(MeshFile& file) {
   return raw;
 }
 
-Result<RawMesh> import_locked_in(const std::string& path, const std::string& node, const SandboxLimits& limits) {
+Result<RawMesh> import_locked_in(const std::string& path, const std::string& node, ImportWhat what,
+                                 const SandboxLimits& limits) {
   if (Status status = limit_resources(limits); !status)
     return status.error();
-  Result<MeshFile> file = load(path, node);
+  Result<MeshFile> file = load(path, node, what);
   if (!file)
     return file.error();
   const Status forbidden = forbid_system_calls();
@@ -148,14 +152,15 @@ bool is_import_child(int argc, char** argv) {
 }
 
 int import_child_main(int argc, char** argv) {
-  if (argc != 6 || !is_import_child(argc, argv))
+  if (argc != 7 || !is_import_child(argc, argv))
     return static_cast<int>(ErrorCode::usage);
   std::set_new_handler([] { _exit(static_cast<int>(ErrorCode::out_of_memory)); });
   syscall(SYS_close_range, IMPORT_ANSWER_FD + 1, ~0U, 0);
   SandboxLimits limits;
   limits.memory_bytes = std::strtoull(argv[4], nullptr, 10);
   limits.cpu_seconds = static_cast<int>(std::strtol(argv[5], nullptr, 10));
-  const Result<RawMesh> raw = import_locked_in(argv[2], argv[3], limits);
+  const Result<RawMesh> raw = import_locked_in(
+      argv[2], argv[3], std::strcmp(argv[6], "motion") == 0 ? ImportWhat::motion : ImportWhat::mesh, limits);
   // No destructors and no handlers at exit: they would run over what a damaged file may have left behind.
   _exit(write_all(encode_answer(raw)) ? 0 : static_cast<int>(ErrorCode::io));
 }

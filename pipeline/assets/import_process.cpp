@@ -97,7 +97,8 @@ Result<pid_t> start(const ImportProcess& process, int answer_fd) {
                                         process.path,
                                         process.node,
                                         std::to_string(process.limits.memory_bytes),
-                                        std::to_string(process.limits.cpu_seconds)};
+                                        std::to_string(process.limits.cpu_seconds),
+                                        process.what == ImportWhat::motion ? "motion" : "mesh"};
   std::vector<std::string> environment = child_environment();
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/assets/import_protocol.h"
 #include "pipeline/assets/sandbox.h"
 #include "sim/base/result.h"
 
@@ -19,6 +20,7 @@ struct ImportProcess {
   std::string program; ///< empty: this very program (/proc/self/exe), whose main must call import_child_main
   std::string path;    ///< of the mesh file
   std::string node;    ///< empty: all of it
+  ImportWhat what = ImportWhat::mesh;
   SandboxLimits limits;
 };
 

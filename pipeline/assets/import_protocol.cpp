@@ -1,5 +1,6 @@
 #include "pipeline/assets/import_protocol.h"
 
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -14,6 +15,7 @@ constexpr std::uint64_t MAX_ATTRIBUTES = 256;
 constexpr std::uint64_t MAX_NOTES = 256;
 constexpr std::uint64_t MAX_TEXT = 4096;
 constexpr std::uint32_t MAX_COMPONENTS = 16;
+constexpr std::uint64_t MAX_MOTION_SAMPLES = 100'000;
 
 template <class T> void put(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
@@ -108,6 +110,20 @@ Status get_attribute(Reader& reader, std::uint64_t vertices, geometry::SurfaceMe
   return {};
 }
 
+Status get_motion(Reader& reader, RawMotion& motion) {
+  const auto samples = reader.get<std::uint64_t>();
+  motion.camera_fov = reader.get<double>();
+  reader.get_array(motion.rest.data(), motion.rest.size());
+  if (!reader.ok() || samples > MAX_MOTION_SAMPLES || samples * 17 * sizeof(double) > reader.left() ||
+      !std::isfinite(motion.camera_fov))
+    return nonsense("a broken motion");
+  motion.times.resize(samples);
+  motion.transforms.resize(samples);
+  reader.get_array(motion.times.data(), samples);
+  reader.get_array(motion.transforms.data(), samples);
+  return {};
+}
+
 } // namespace
 
 std::string encode_answer(const Result<RawMesh>& answer) {
@@ -133,6 +149,12 @@ std::string encode_answer(const Result<RawMesh>& answer) {
   }
   for (const std::string& note : answer->notes)
     put_text(bytes, note);
+  const RawMotion& motion = answer->motion;
+  put(bytes, static_cast<std::uint64_t>(motion.times.size()));
+  put(bytes, motion.camera_fov);
+  put_array(bytes, motion.rest.data(), motion.rest.size());
+  put_array(bytes, motion.times.data(), motion.times.size());
+  put_array(bytes, motion.transforms.data(), motion.transforms.size());
   return bytes;
 }
 
@@ -166,6 +188,8 @@ Result<RawMesh> decode_answer(std::span<const std::byte> bytes) {
       return status.error();
   for (std::uint64_t i = 0; i < notes; ++i)
     raw.notes.push_back(reader.get_text());
+  if (Status status = get_motion(reader, raw.motion); !status)
+    return status.error();
   if (!reader.at_end())
     return nonsense("its length is wrong");
   return raw;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,9 +12,24 @@
 
 namespace wry::pipeline {
 
+/// Row-major, a column of coordinates from the right.
+using RawTransform = std::array<double, 16>;
+
+/// Where a node of a scene file is over time, in the file's units and axes.
+struct RawMotion {
+  RawTransform rest = {};               ///< as the file stands without its animation
+  std::vector<double> times;            ///< [s], ascending; empty: nothing moves it
+  std::vector<RawTransform> transforms; ///< one per time
+  double camera_fov = 0.0;              ///< horizontal [rad]; 0: the node is no camera. Cameras look along -z, +y is up
+};
+
+/// What is wanted of a mesh file.
+enum class ImportWhat { mesh, motion };
+
 /// What a mesh file holds, before anything is done to it: in the file's units and axes.
 struct RawMesh {
-  geometry::SurfaceMesh mesh;
+  geometry::SurfaceMesh mesh;     ///< empty when only the motion was wanted
+  RawMotion motion;               ///< of the node, when it was wanted
   std::vector<std::string> notes; ///< what the user should know, a sentence each
 };
 

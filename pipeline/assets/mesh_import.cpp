@@ -19,7 +19,9 @@ namespace {
 // Formats whose readers survived thousands of damaged files, or are our own. Others are refused by name.
 constexpr std::array FORMATS = {"ply", "obj", "stl", "off", "gltf", "glb", "fbx", "3ds", "dae"};
 
-Status check_path(const std::string& path) {
+} // namespace
+
+Status check_mesh_path(const std::string& path) {
   std::error_code failure;
   const std::filesystem::file_status status = std::filesystem::status(path, failure);
   if (status.type() == std::filesystem::file_type::not_found)
@@ -39,6 +41,8 @@ Status check_path(const std::string& path) {
   return {};
 }
 
+namespace {
+
 Error in_file(const std::string& path, const Error& error) {
   if (error.message.find(path) != std::string::npos)
     return error;
@@ -46,7 +50,8 @@ Error in_file(const std::string& path, const Error& error) {
 }
 
 Result<RawMesh> read_raw(const std::string& path, const MeshImportOptions& options) {
-  const Result<std::string> answer = run_import_process({options.program, path, options.node, options.limits});
+  const Result<std::string> answer =
+      run_import_process({options.program, path, options.node, ImportWhat::mesh, options.limits});
   if (!answer)
     return answer.error();
   Result<RawMesh> raw = decode_answer(std::as_bytes(std::span(answer->data(), answer->size())));
@@ -94,7 +99,7 @@ void note_findings(const geometry::WeldedMesh& welded, std::int64_t vertices, co
 } // namespace
 
 Result<ImportedMesh> import_mesh(const std::string& path, const MeshImportOptions& options) {
-  if (Status status = check_path(path); !status)
+  if (Status status = check_mesh_path(path); !status)
     return status.error();
   Result<RawMesh> raw = read_raw(path, options);
   if (!raw)

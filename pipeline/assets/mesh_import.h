@@ -41,4 +41,7 @@ struct ImportedMesh {
 /// without assimp.
 Result<ImportedMesh> import_mesh(const std::string& path, const MeshImportOptions& options = {});
 
+/// Whether the path names a file of a format that is read. Errors: missing_input, bad_input naming the formats.
+Status check_mesh_path(const std::string& path);
+
 } // namespace wry::pipeline

@@ -1,3 +1,4 @@
+#include "pipeline/assets/node_motion_with_assimp.h"
 #include "pipeline/assets/scene_decoder.h"
 
 #include <algorithm>
@@ -258,6 +259,14 @@ Result<RawMesh> decode_scene(const MeshFile& file) {
       return make_error(ErrorCode::bad_input, "{}", importer->GetErrorString());
     if (scene->mRootNode == nullptr)
       return make_error(ErrorCode::bad_input, "it holds no nodes");
+    if (file.what == ImportWhat::motion) {
+      Result<RawMotion> motion = read_node_motion(*scene, file.node, file.extension);
+      if (!motion)
+        return motion.error();
+      RawMesh raw;
+      raw.motion = std::move(*motion);
+      return raw;
+    }
     const Result<std::vector<Instance>> instances = collect_instances(*scene, file.node);
     if (!instances)
       return instances.error();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "pipeline/assets/mesh_import.h"
+#include "pipeline/assets/motion_import.h"
 #include "pipeline/cache/sha256.h"
 #include "pipeline/plan/compile_fem.h"
 #include "pipeline/plan/mesh_body.h"
@@ -26,10 +27,12 @@ public:
     m_collider.shown = *m_asked.show;
     if (Status status = std::visit([this](const auto& shape) { return add(shape); }, m_asked.shape); !status)
       return status.error();
-    Result<scene::Motion> motion = compile_motion(m_asked.motion);
-    if (!motion)
-      return motion.error();
-    m_collider.motion = std::move(*motion);
+    if (*m_asked.motion.from == shots::MotionFrom::keys) {
+      Result<scene::Motion> motion = compile_motion(m_asked.motion);
+      if (!motion)
+        return motion.error();
+      m_collider.motion = std::move(*motion);
+    }
     m_compiled.collider = std::make_shared<const scene::Collider>(std::move(m_collider));
     return std::move(m_compiled);
   }
@@ -91,11 +94,40 @@ private:
     if (!placed)
       return placed.error();
     scene::apply(*placed, imported->mesh.vertices);
+    if (*m_asked.motion.from == shots::MotionFrom::file) {
+      if (Status status = move_as_in_file(asked, options, *placed); !status)
+        return status;
+    }
     scene::MeshObstacle mesh;
     mesh.closed = imported->report.is_closed();
     mesh.thickness = *asked.thickness;
     mesh.mesh = std::make_shared<const geometry::SurfaceMesh>(std::move(imported->mesh));
     m_collider.shape = std::move(mesh);
+    return {};
+  }
+
+  /// The motion of the file, seen through the placement that its mesh went through.
+  Status move_as_in_file(const shots::ColliderMeshShape& asked, const MeshImportOptions& options,
+                         const scene::Similarity& placed) {
+    const shots::Source& where = m_asked.motion.from.source;
+    if (!asked.node)
+      return at_source(where, make_error(ErrorCode::bad_input, "name the node whose motion it takes: node = \"...\""));
+    Result<ImportedMotion> imported = import_motion(*asked.path, options);
+    if (!imported)
+      return at_source(where, imported.error());
+    const auto place = [&](const scene::Pose& pose) {
+      scene::Pose moved;
+      moved.rotation = placed.rotation * pose.rotation * placed.rotation.transpose();
+      moved.translation = placed.apply(pose.translation);
+      return moved;
+    };
+    imported->rest = place(imported->rest);
+    for (scene::PoseSample& sample : imported->samples)
+      sample.pose = place(sample.pose);
+    Result<scene::Motion> motion = imported->relative_motion();
+    if (!motion)
+      return at_source(where, motion.error());
+    m_collider.motion = std::move(*motion);
     return {};
   }
 
