@@ -60,8 +60,13 @@ bool BroadPhase::collect(std::size_t count, std::vector<CandidatePair>& out, std
   m_threads.for_chunks(count, GRAIN, [&](std::size_t begin, std::size_t end) {
     std::vector<CandidatePair>& chunk = m_chunks[begin / GRAIN];
     chunk.clear();
-    for (std::size_t i = begin; i < end && chunk.size() <= room; ++i)
+    for (std::size_t i = begin; i < end && chunk.size() <= room; ++i) {
+      const auto before = static_cast<std::ptrdiff_t>(chunk.size());
       find(static_cast<std::int32_t>(i), chunk);
+      // The tree's order depends on when it was built; sums over pairs must not.
+      std::sort(chunk.begin() + before, chunk.end(),
+                [](const CandidatePair& a, const CandidatePair& b) { return a.second < b.second; });
+    }
   });
   out.clear();
   for (std::size_t index = 0; index < (count + GRAIN - 1) / GRAIN; ++index) {

@@ -75,8 +75,19 @@ bool apart_all_the_way(const PairPoints& from, const PairPoints& to, int first, 
   return false;
 }
 
+/// How much nearer a pair can come at most: the largest difference of the ways of its points.
+double most_approach(const PairPoints& from, const PairPoints& to, int first) {
+  const PairPoints way = to - from;
+  double most = 0.0;
+  for (int a = 0; a < first; ++a) {
+    for (int b = first; b < 4; ++b)
+      most = std::max(most, (way.row(a) - way.row(b)).squaredNorm());
+  }
+  return std::sqrt(most);
+}
+
 SafeStep ask_range(const std::vector<CandidatePair>& pairs, PairKind kind, std::size_t begin, std::size_t end,
-                   const Points& from, const Points& to, double keep, const CcdTable& table) {
+                   const Points& from, const Points& to, const KeptDistance& keep, const CcdTable& table) {
   Asker asker(kind, table);
   const int first = kind == PairKind::edge_edge ? 2 : 1;
   for (std::size_t index = begin; index < end; ++index) {
@@ -87,22 +98,20 @@ SafeStep ask_range(const std::vector<CandidatePair>& pairs, PairKind kind, std::
       start.row(k) = from.row(pair.nodes[static_cast<std::size_t>(k)]);
       stop.row(k) = to.row(pair.nodes[static_cast<std::size_t>(k)]);
     }
-    if (apart_all_the_way(start, stop, first, 0.0)) {
-      // Far enough for the share that is kept? Only the distance at the start can tell.
-      const double distance = std::sqrt(squared_distance(kind, start));
-      if (apart_all_the_way(start, stop, first, keep * distance))
-        continue;
-      asker.add(start, stop, keep * distance, pair.nodes);
+    const double distance = std::sqrt(squared_distance(kind, start));
+    const double kept = std::max(keep.share * std::min(keep.reach, distance), keep.least);
+    // Most pairs move along with each other. Half of the distance: it is not a proven bound itself.
+    if (0.5 * distance - most_approach(start, stop, first) > kept)
       continue;
-    }
-    asker.add(start, stop, keep * std::sqrt(squared_distance(kind, start)), pair.nodes);
+    if (!apart_all_the_way(start, stop, first, kept))
+      asker.add(start, stop, kept, pair.nodes);
   }
   return asker.finish();
 }
 
 } // namespace
 
-SafeStep find_safe_step(const BroadPhase& candidates, const Points& from, const Points& to, double keep,
+SafeStep find_safe_step(const BroadPhase& candidates, const Points& from, const Points& to, const KeptDistance& keep,
                         const CcdTable& table, const Threads& threads) {
   SafeStep best;
   for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {

@@ -13,10 +13,17 @@ struct SafeStep {
   std::array<std::int32_t, 4> nodes = {-1, -1, -1, -1}; ///< its nodes; -1: nothing does
 };
 
+/// What must be left of the distance of a pair.
+struct KeptDistance {
+  double share = 0.1; ///< of the distance it has at the start, or of `reach` if that is less
+  double reach = 0.0; ///< pairs that stay further apart than this do not limit a step [m]
+  double least = 0.0; ///< [m]; covers what rounding of the positions does afterwards
+};
+
 /// The largest fraction of the straight way `from` -> `to` that is proven to leave every candidate pair apart, with at
-/// least the share `keep` of the distance it has at the start. Same bits on any number of threads. The candidates must
+/// least the distance that `keep` asks for. Same bits on any number of threads. The candidates must
 /// hold for both positions.
-SafeStep find_safe_step(const BroadPhase& candidates, const Points& from, const Points& to, double keep,
+SafeStep find_safe_step(const BroadPhase& candidates, const Points& from, const Points& to, const KeptDistance& keep,
                         const CcdTable& table, const Threads& threads);
 
 } // namespace wry::contact

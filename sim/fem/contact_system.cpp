@@ -1,0 +1,430 @@
+#include "sim/fem/contact_system.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "sim/contact/crossings.h"
+#include "sim/geometry/tet_mesh.h"
+
+namespace wry::fem {
+
+namespace {
+
+using contact::CandidatePair;
+using contact::PairKind;
+
+/// An iteration may not use up more than nine tenths of any gap.
+constexpr double KEPT_SHARE = 0.1;
+/// Gaps below this many units in the last place of the positions could be closed by rounding the positions alone.
+constexpr double ROUNDING_UNITS = 32.0;
+/// Pairs of one body that are near each other at rest feel each other only below this share of their rest distance.
+constexpr double REST_SHARE = 0.5;
+constexpr std::size_t GRAIN = 2048;
+
+class Stopwatch {
+public:
+  explicit Stopwatch(double& milliseconds)
+      : m_milliseconds(milliseconds)
+      , m_start(std::chrono::steady_clock::now()) {}
+  ~Stopwatch() {
+    m_milliseconds += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - m_start).count();
+  }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+private:
+  double& m_milliseconds;
+  std::chrono::steady_clock::time_point m_start;
+};
+
+std::vector<contact::Surface::Triangle> rows_of(const Triangles& triangles) {
+  std::vector<contact::Surface::Triangle> rows;
+  for (Eigen::Index i = 0; i < triangles.rows(); ++i)
+    rows.push_back({triangles(i, 0), triangles(i, 1), triangles(i, 2)});
+  return rows;
+}
+
+/// Squared distance of the boxes of a pair's primitives: from below.
+double box_distance_squared(const Points& x, const std::array<std::int32_t, 4>& nodes, int first) {
+  double sum = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double a = x(nodes[0], i);
+    const double b = x(nodes[1], i);
+    const double c = x(nodes[2], i);
+    const double d = x(nodes[3], i);
+    double gap = 0.0;
+    if (first == 1)
+      gap = std::max(a - std::max(std::max(b, c), d), std::min(std::min(b, c), d) - a);
+    else
+      gap = std::max(std::min(a, b) - std::max(c, d), std::min(c, d) - std::max(a, b));
+    if (gap > 0.0)
+      sum += gap * gap;
+  }
+  return sum;
+}
+
+contact::PairPoints gather(const Points& x, const std::array<std::int32_t, 4>& nodes) {
+  contact::PairPoints points;
+  for (int k = 0; k < 4; ++k)
+    points.row(k) = x.row(nodes[static_cast<std::size_t>(k)]);
+  return points;
+}
+
+} // namespace
+
+ContactSystem::ContactSystem(const FemPlan& plan, const FemScene& scene, double distance, const Threads& threads,
+                             Isa isa)
+    : m_plan(plan)
+    , m_scene(scene)
+    , m_distance(distance)
+    , m_threads(threads)
+    , m_ccd(contact::select_ccd(isa))
+    , m_unknown_nodes(scene.model.layout.node_count()) {}
+
+Result<std::unique_ptr<ContactSystem>> ContactSystem::create(const FemPlan& plan, const FemScene& scene,
+                                                             double distance, const Threads& threads, Isa isa) {
+  if (!plan.contact && plan.obstacles.empty())
+    return std::unique_ptr<ContactSystem>();
+  std::unique_ptr<ContactSystem> system(new ContactSystem(plan, scene, distance, threads, isa));
+  if (Status status = system->add_parts(); !status)
+    return status.error();
+  system->choose_coefficients();
+  if (Status status = system->check_start(); !status)
+    return status.error();
+  return system;
+}
+
+Status ContactSystem::add_parts() {
+  const FemModel& model = m_scene.model;
+  for (std::size_t i = 0; i < model.bodies.size(); ++i)
+    m_surface.add_part(model.bodies[i].node_count, rows_of(geometry::boundary_triangles(m_scene.meshes[i].mesh)));
+  double edge = std::numeric_limits<double>::infinity();
+  for (const double length : m_scene.edges)
+    edge = std::min(edge, length);
+  for (const scene::Collider& collider : m_plan.obstacles) {
+    Result<geometry::SurfaceMesh> mesh = scene::obstacle_surface(collider.shape, 2.0 * edge);
+    if (!mesh)
+      return make_error(mesh.error().code, "collider '{}': {}", collider.name, mesh.error().message);
+    Obstacle obstacle{&collider, m_surface.node_count(), mesh->vertices};
+    std::vector<std::int32_t> loose;
+    if (mesh->triangles.rows() == 0) { // points
+      for (Eigen::Index vertex = 0; vertex < mesh->vertices.rows(); ++vertex)
+        loose.push_back(static_cast<std::int32_t>(vertex));
+    }
+    std::vector<contact::Surface::Triangle> triangles;
+    std::vector<contact::Surface::Edge> segments;
+    for (const contact::Surface::Triangle& triangle : rows_of(mesh->triangles)) {
+      if (triangle[0] == triangle[1] || triangle[1] == triangle[2]) // an edge, written as a triangle without area
+        segments.push_back({triangle[0], triangle[2]});
+      else
+        triangles.push_back(triangle);
+    }
+    const int part = m_surface.add_part(static_cast<int>(mesh->vertices.rows()), triangles, segments, loose);
+    for (std::size_t body = 0; body < model.bodies.size(); ++body)
+      m_surface.let_meet(static_cast<int>(body), part);
+    m_obstacles.push_back(std::move(obstacle));
+  }
+  for (int a = 0; m_plan.contact && a < static_cast<int>(model.bodies.size()); ++a) {
+    for (int b = a; b < static_cast<int>(model.bodies.size()); ++b) {
+      if (a == b ? m_plan.contact->within_bodies : m_plan.contact->between_bodies)
+        m_surface.let_meet(a, b);
+    }
+  }
+  const Eigen::Index obstacle_nodes = m_surface.node_count() - m_unknown_nodes;
+  m_obstacle_start.resize(obstacle_nodes, 3);
+  m_all.resize(m_surface.node_count(), 3);
+  m_all.topRows(m_unknown_nodes) = m_scene.start_positions;
+  place_obstacles(0.0);
+  m_rest = m_all;
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) // before they were lifted off planes
+    m_rest.middleRows(model.bodies[i].first_node, model.bodies[i].node_count) = m_scene.meshes[i].mesh.vertices;
+  m_edge_squares.reserve(m_surface.edges().size());
+  for (const contact::Surface::Edge& e : m_surface.edges())
+    m_edge_squares.push_back((m_rest.row(e[1]) - m_rest.row(e[0])).squaredNorm());
+  const std::size_t most = std::max<std::size_t>(4'000'000, 64 * m_surface.edges().size());
+  m_broad_phase = std::make_unique<contact::BroadPhase>(m_surface, m_threads, most);
+  return {};
+}
+
+std::size_t ContactSystem::slot(int a, int b) const {
+  return static_cast<std::size_t>(std::min(a, b)) * static_cast<std::size_t>(m_surface.part_count()) +
+         static_cast<std::size_t>(std::max(a, b));
+}
+
+std::string ContactSystem::part_name(int part) const {
+  const std::size_t bodies = m_scene.model.bodies.size();
+  const std::size_t index = static_cast<std::size_t>(part);
+  return index < bodies ? fmt::format("body '{}'", m_scene.model.bodies[index].name)
+                        : fmt::format("collider '{}'", m_obstacles[index - bodies].collider->name);
+}
+
+void ContactSystem::choose_coefficients() {
+  const FemModel& model = m_scene.model;
+  const std::size_t parts = static_cast<std::size_t>(m_surface.part_count());
+  const std::size_t bodies = model.bodies.size();
+  m_stiffness.assign(parts * parts, 0.0);
+  m_friction.assign(parts * parts, {});
+  std::vector<double> elastic(bodies), weight(bodies);
+  for (std::size_t i = 0; i < bodies; ++i) {
+    const BodyNodes& body = model.bodies[i];
+    double mass = 0.0;
+    for (int node = body.first_node; node < body.first_node + body.node_count; ++node)
+      mass += model.mass[node];
+    const double feet = std::max(3.0, std::pow(static_cast<double>(body.node_count), 2.0 / 3.0) / 4.0);
+    elastic[i] = m_plan.bodies[i].material.youngs_modulus * m_scene.edges[i];
+    weight[i] = mass * m_plan.gravity.norm() / (feet * m_distance);
+  }
+  const auto friction_of = [&](const std::string& a, const std::string& b) {
+    for (const MaterialPair& pair : m_plan.contact->pairs) {
+      if ((pair.first == a && pair.second == b) || (pair.first == b && pair.second == a))
+        return pair.friction;
+    }
+    return m_plan.contact->friction;
+  };
+  for (std::size_t a = 0; a < bodies; ++a) {
+    for (std::size_t b = a; b < parts; ++b) {
+      const std::size_t index = slot(static_cast<int>(a), static_cast<int>(b));
+      // As stiff as the softer one's elements, stiff enough to carry the heavier one.
+      const double softer = b < bodies ? std::min(elastic[a], elastic[b]) : elastic[a];
+      const double heavier = b < bodies ? std::max(weight[a], weight[b]) : weight[a];
+      m_stiffness[index] = m_plan.settings.contact_stiffness.value_or(std::max(softer, heavier));
+      if (b >= bodies)
+        m_friction[index] = {m_obstacles[b - bodies].collider->friction, m_obstacles[b - bodies].collider->friction};
+      else if (m_plan.contact)
+        m_friction[index] = friction_of(m_plan.bodies[a].material.name, m_plan.bodies[b].material.name);
+    }
+  }
+}
+
+Status ContactSystem::check_start() {
+  const std::vector<contact::Crossing> crossings = contact::find_crossings(m_surface, m_all, m_threads, 1);
+  if (!crossings.empty()) {
+    const contact::Crossing& first = crossings.front();
+    const int a = m_surface.part_of_node(first.edge[0]);
+    const int b = m_surface.part_of_node(first.triangle[0]);
+    const Vec3 at = 0.5 * (m_all.row(first.edge[0]) + m_all.row(first.edge[1]));
+    return make_error(ErrorCode::bad_input,
+                      "{} and {} intersect or touch at the start, first near ({:.6g}, {:.6g}, {:.6g}); contact needs a "
+                      "gap: move them apart by {:.3g} m or more",
+                      part_name(a), a == b ? "itself" : part_name(b), at.x(), at.y(), at.z(), 0.1 * m_distance);
+  }
+  const double rounding = ROUNDING_UNITS * std::numeric_limits<double>::epsilon() * m_all.cwiseAbs().maxCoeff();
+  const Gaps gaps = measure(m_scene.start_positions);
+  if (gaps.least <= rounding)
+    return make_error(ErrorCode::bad_input,
+                      "the least gap at the start is {:.3g} m, which rounding of positions (about {:.3g} m) could "
+                      "close; move what is so near apart by {:.3g} m or more",
+                      gaps.least, rounding, 0.1 * m_distance);
+  return {};
+}
+
+void ContactSystem::pose_obstacles(double time, Points& out) const {
+  out.resize(m_surface.node_count() - m_unknown_nodes, 3);
+  for (const Obstacle& obstacle : m_obstacles) {
+    const scene::Pose pose = obstacle.collider->motion.pose(time);
+    for (Eigen::Index i = 0; i < obstacle.rest.rows(); ++i)
+      out.row(obstacle.first_node - m_unknown_nodes + i) = pose.apply(obstacle.rest.row(i).transpose()).transpose();
+  }
+}
+
+void ContactSystem::place_obstacles(double time) {
+  pose_obstacles(time, m_obstacle_start);
+  m_obstacle_end = m_obstacle_start;
+  m_obstacle_share = 1.0;
+  m_all.bottomRows(m_obstacle_start.rows()) = m_obstacle_start;
+  m_pairs_at.resize(0, 3);
+}
+
+void ContactSystem::begin_step(double start_time, double end_time) {
+  m_last_limit = {};
+  if (m_obstacles.empty())
+    return;
+  place_obstacles(start_time);
+  const bool moves = std::any_of(m_obstacles.begin(), m_obstacles.end(),
+                                 [](const Obstacle& obstacle) { return obstacle.collider->motion.moves(); });
+  if (!moves)
+    return;
+  pose_obstacles(end_time, m_obstacle_end);
+  m_obstacle_share = m_obstacle_end == m_obstacle_start ? 1.0 : 0.0;
+}
+
+double ContactSystem::advance_obstacles(const Points& positions) {
+  if (m_obstacle_share >= 1.0)
+    return 0.0;
+  m_from = all_positions(positions);
+  m_to = m_from;
+  m_to.bottomRows(m_obstacle_end.rows()) = m_obstacle_end;
+  const double safe = safe_fraction(m_from, m_to);
+  m_obstacle_share = safe >= 1.0 ? 1.0 : m_obstacle_share + safe * (1.0 - m_obstacle_share);
+  m_all.bottomRows(m_obstacle_end.rows()) =
+      m_obstacle_share >= 1.0 ? m_obstacle_end
+                              : Points(m_obstacle_start + m_obstacle_share * (m_obstacle_end - m_obstacle_start));
+  m_pairs_at.resize(0, 3);
+  return 1.0 - m_obstacle_share;
+}
+
+const Points& ContactSystem::all_positions(const Points& positions) {
+  m_all.topRows(m_unknown_nodes) = positions;
+  return m_all;
+}
+
+double ContactSystem::rest_limit(PairKind kind, const std::array<std::int32_t, 4>& nodes) const {
+  return REST_SHARE * std::sqrt(contact::squared_distance(kind, gather(m_rest, nodes)));
+}
+
+const std::vector<ContactPair>& ContactSystem::pairs_at(const Points& positions) {
+  if (m_pairs_at.rows() == positions.rows() && m_pairs_at == positions)
+    return m_pairs;
+  const Stopwatch watch(m_cost.search_ms);
+  all_positions(positions);
+  // Without room to move the lists are as short as they can be: what does not fit then is no scene to simulate.
+  if (!m_broad_phase->cover(m_all, m_all, m_distance, m_distance))
+    m_broad_phase->cover(m_all, m_all, m_distance, 0.0);
+  update_pairs();
+  m_pairs_at = positions;
+  return m_pairs;
+}
+
+void ContactSystem::update_pairs() {
+  m_pairs.clear();
+  for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
+    const std::vector<CandidatePair>& candidates = m_broad_phase->pairs(kind);
+    const int first = kind == PairKind::edge_edge ? 2 : 1;
+    const std::size_t chunk_count = (candidates.size() + GRAIN - 1) / GRAIN;
+    m_chunks.resize(std::max(m_chunks.size(), chunk_count));
+    m_threads.for_chunks(candidates.size(), GRAIN, [&](std::size_t begin, std::size_t end) {
+      std::vector<ContactPair>& out = m_chunks[begin / GRAIN];
+      out.clear();
+      for (std::size_t i = begin; i < end; ++i) {
+        const CandidatePair& candidate = candidates[i];
+        if (box_distance_squared(m_all, candidate.nodes, first) >= m_distance * m_distance)
+          continue;
+        const double squared = contact::squared_distance(kind, gather(m_all, candidate.nodes));
+        if (squared >= m_distance * m_distance)
+          continue;
+        ContactPair pair{kind, candidate.nodes, {}, m_distance, 0.0};
+        pair.parts[0] = m_surface.part_of_node(candidate.nodes[0]);
+        pair.parts[1] = m_surface.part_of_node(candidate.nodes[3]);
+        if (pair.parts[0] == pair.parts[1]) {
+          pair.activation = std::min(m_distance, rest_limit(kind, candidate.nodes));
+          if (squared >= pair.activation * pair.activation)
+            continue;
+        }
+        if (kind == PairKind::edge_edge)
+          pair.mollifier_threshold =
+              contact::mollifier_threshold(m_edge_squares[candidate.first], m_edge_squares[candidate.second]);
+        out.push_back(pair);
+      }
+    });
+    for (std::size_t chunk = 0; chunk < chunk_count; ++chunk)
+      m_pairs.insert(m_pairs.end(), m_chunks[chunk].begin(), m_chunks[chunk].end());
+  }
+}
+
+contact::PairPoints ContactSystem::points_of(const ContactPair& pair) const {
+  return gather(m_all, pair.nodes);
+}
+
+contact::PairPoints ContactSystem::way_of(const ContactPair& pair, const Points& positions,
+                                          const Points& start_positions) const {
+  contact::PairPoints way;
+  for (int k = 0; k < 4; ++k) {
+    const std::int32_t node = pair.nodes[static_cast<std::size_t>(k)];
+    if (is_unknown(node))
+      way.row(k) = positions.row(node) - start_positions.row(node);
+    else
+      way.row(k) = m_all.row(node) - m_obstacle_start.row(node - m_unknown_nodes);
+  }
+  return way;
+}
+
+double ContactSystem::step_limit(const Points& positions, const Points& change) {
+  m_from = all_positions(positions);
+  m_to = m_from;
+  m_to.topRows(m_unknown_nodes) += change;
+  return safe_fraction(m_from, m_to);
+}
+
+double ContactSystem::safe_fraction(const Points& from, const Points& to) {
+  double part = 1.0;
+  Points end = to;
+  {
+    const Stopwatch watch(m_cost.search_ms);
+    while (!m_broad_phase->cover(from, end, m_distance, m_distance)) {
+      part *= 0.5; // too many pairs come into reach: go a shorter way
+      end = from + part * (to - from);
+      if (part < 1e-6)
+        return 0.0;
+    }
+  }
+  const Stopwatch watch(m_cost.safe_step_ms);
+  const double rounding = ROUNDING_UNITS * std::numeric_limits<double>::epsilon() *
+                          std::max(from.cwiseAbs().maxCoeff(), end.cwiseAbs().maxCoeff());
+  const contact::SafeStep step =
+      contact::find_safe_step(*m_broad_phase, from, end, {KEPT_SHARE, m_distance, rounding}, m_ccd, m_threads);
+  if (step.nodes[0] >= 0)
+    m_last_limit = step;
+  return part * step.fraction;
+}
+
+bool ContactSystem::any_friction() const {
+  return std::any_of(m_friction.begin(), m_friction.end(),
+                     [](const Friction& friction) { return friction.at_rest > 0.0 || friction.sliding > 0.0; });
+}
+
+ContactSystem::Gaps ContactSystem::measure(const Points& positions) {
+  Gaps gaps;
+  gaps.least = std::numeric_limits<double>::infinity();
+  for (const ContactPair& pair : pairs_at(positions)) {
+    gaps.least = std::min(gaps.least, std::sqrt(contact::squared_distance(pair.kind, points_of(pair))));
+    ++gaps.active;
+  }
+  return gaps;
+}
+
+void ContactSystem::stiffen_crowded(const Points& positions, double share, double factor) {
+  std::set<std::size_t> crowded;
+  for (const ContactPair& pair : pairs_at(positions)) {
+    const double limit = share * pair.activation;
+    if (contact::squared_distance(pair.kind, points_of(pair)) < limit * limit)
+      crowded.insert(slot(pair.parts[0], pair.parts[1]));
+  }
+  for (const std::size_t index : crowded)
+    m_stiffness[index] *= factor;
+}
+
+void ContactSystem::stiffen_limiting(double factor) {
+  if (m_last_limit.nodes[0] >= 0)
+    m_stiffness[slot(m_surface.part_of_node(m_last_limit.nodes[0]), m_surface.part_of_node(m_last_limit.nodes[3]))] *=
+        factor;
+}
+
+std::string ContactSystem::describe_limit() const {
+  if (m_last_limit.nodes[0] < 0)
+    return {};
+  const bool edges = m_last_limit.kind == PairKind::edge_edge;
+  const Vec3 at = m_all.row(m_last_limit.nodes[0]);
+  return fmt::format("the nearest {} are of {} and {}, near ({:.6g}, {:.6g}, {:.6g})",
+                     edges ? "edges" : "point and triangle", part_name(m_surface.part_of_node(m_last_limit.nodes[0])),
+                     part_name(m_surface.part_of_node(m_last_limit.nodes[3])), at.x(), at.y(), at.z());
+}
+
+ContactSystem::Cost ContactSystem::take_cost() {
+  const Cost cost = m_cost;
+  m_cost = {};
+  return cost;
+}
+
+std::size_t ContactSystem::candidate_count() const {
+  return m_broad_phase->point_triangles().size() + m_broad_phase->edge_edges().size();
+}
+
+std::size_t ContactSystem::memory_bytes() const {
+  return m_broad_phase->memory_bytes() + m_pairs.capacity() * sizeof(ContactPair) +
+         static_cast<std::size_t>(m_all.size()) * 8 * sizeof(double);
+}
+
+} // namespace wry::fem

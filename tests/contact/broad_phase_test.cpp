@@ -1,0 +1,162 @@
+#include "sim/contact/broad_phase.h"
+
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "sim/contact/crossings.h"
+#include "sim/contact/distance.h"
+#include "sim/contact/safe_step.h"
+
+namespace wry::contact {
+namespace {
+
+/// Wavy sheets of 2 x n x n triangles above each other, each a part.
+struct Sheets {
+  Surface surface;
+  Points positions;
+
+  explicit Sheets(int count, int n = 8) {
+    positions.resize(count * (n + 1) * (n + 1), 3);
+    std::vector<Surface::Triangle> triangles;
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) {
+        const int a = i * (n + 1) + j;
+        triangles.push_back({a, a + 1, a + n + 1});
+        triangles.push_back({a + 1, a + n + 2, a + n + 1});
+      }
+    }
+    for (int sheet = 0; sheet < count; ++sheet) {
+      surface.add_part((n + 1) * (n + 1), triangles);
+      for (int i = 0; i <= n; ++i) {
+        for (int j = 0; j <= n; ++j)
+          positions.row((sheet * (n + 1) + i) * (n + 1) + j) << 0.1 * i + 0.03 * sheet,
+              0.1 * sheet + 0.03 * std::sin(2.1 * i + 1.3 * j + sheet), 0.1 * j;
+      }
+    }
+    for (int a = 0; a < count; ++a) {
+      for (int b = 0; b <= a; ++b)
+        surface.let_meet(a, b);
+    }
+  }
+};
+
+using Key = std::pair<std::int32_t, std::int32_t>;
+
+std::set<Key> near_pairs(const std::vector<CandidatePair>& pairs, PairKind kind, const Points& x, double distance) {
+  std::set<Key> near;
+  for (const CandidatePair& pair : pairs) {
+    PairPoints points;
+    for (int k = 0; k < 4; ++k)
+      points.row(k) = x.row(pair.nodes[static_cast<std::size_t>(k)]);
+    if (squared_distance(kind, points) < distance * distance)
+      near.insert({pair.first, pair.second});
+  }
+  return near;
+}
+
+TEST(BroadPhase, FindsEveryPairThatIsNearAnywhereOnTheWay) {
+  const Sheets sheets(3);
+  const Threads threads(1);
+  Points to = sheets.positions;
+  for (Eigen::Index i = 0; i < to.rows(); ++i)
+    to.row(i) += Eigen::RowVector3d(0.02 * std::sin(i), -0.05 * std::cos(3.0 * i), 0.03 * std::sin(2.0 * i));
+  BroadPhase broad(sheets.surface, threads, 1'000'000);
+  ASSERT_TRUE(broad.cover(sheets.positions, to, 0.1, 0.001));
+  for (const double t : {0.0, 0.3, 0.7, 1.0}) {
+    const Points at = (1.0 - t) * sheets.positions + t * to;
+    for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
+      const std::set<Key> all = near_pairs(all_pairs(sheets.surface, kind), kind, at, 0.1);
+      EXPECT_GT(all.size(), 10u);
+      EXPECT_EQ(near_pairs(broad.pairs(kind), kind, at, 0.1), all);
+    }
+  }
+  EXPECT_LT(broad.edge_edges().size(), all_pairs(sheets.surface, PairKind::edge_edge).size() / 4);
+}
+
+TEST(BroadPhase, IsReusedWhileNodesKeepTheirRooms) {
+  const Sheets sheets(2);
+  const Threads threads(1);
+  BroadPhase broad(sheets.surface, threads, 1'000'000);
+  ASSERT_TRUE(broad.cover(sheets.positions, sheets.positions, 0.02, 0.01));
+  Points moved = sheets.positions;
+  moved.array() += 0.009;
+  ASSERT_TRUE(broad.cover(sheets.positions, moved, 0.02, 0.01));
+  EXPECT_EQ(broad.searches(), 1);
+  moved(5, 1) += 0.002;
+  ASSERT_TRUE(broad.cover(moved, moved, 0.02, 0.01));
+  EXPECT_EQ(broad.searches(), 2);
+}
+
+TEST(BroadPhase, IsTheSameOnAnyNumberOfThreads) {
+  const Sheets sheets(4, 16);
+  const Threads one(1);
+  const Threads three(3);
+  BroadPhase a(sheets.surface, one, 1'000'000);
+  BroadPhase b(sheets.surface, three, 1'000'000);
+  ASSERT_TRUE(a.cover(sheets.positions, sheets.positions, 0.05, 0.0));
+  ASSERT_TRUE(b.cover(sheets.positions, sheets.positions, 0.05, 0.0));
+  ASSERT_EQ(a.edge_edges().size(), b.edge_edges().size());
+  for (std::size_t i = 0; i < a.edge_edges().size(); ++i)
+    ASSERT_EQ(a.edge_edges()[i].nodes, b.edge_edges()[i].nodes);
+}
+
+TEST(BroadPhase, RefusesMorePairsThanItsRoomInsteadOfFillingTheMemory) {
+  const Sheets sheets(3);
+  const Threads threads(1);
+  BroadPhase broad(sheets.surface, threads, 20'000);
+  EXPECT_FALSE(broad.cover(sheets.positions, sheets.positions, 10.0, 0.0));
+  EXPECT_TRUE(broad.edge_edges().empty());
+  EXPECT_TRUE(broad.cover(sheets.positions, sheets.positions, 1e-4, 0.0));
+}
+
+TEST(BroadPhase, PartsThatMayNotMeetAreNoCandidates) {
+  Sheets sheets(2);
+  Surface apart;
+  std::vector<Surface::Triangle> triangles(sheets.surface.triangles().begin(),
+                                           sheets.surface.triangles().begin() + 128);
+  apart.add_part(81, triangles);
+  apart.add_part(81, triangles);
+  const Threads threads(1);
+  BroadPhase broad(apart, threads, 1'000'000);
+  ASSERT_TRUE(broad.cover(sheets.positions, sheets.positions, 1.0, 0.0));
+  EXPECT_TRUE(broad.edge_edges().empty());
+  EXPECT_TRUE(broad.point_triangles().empty());
+}
+
+TEST(SafeStep, StopsASheetBeforeItPassesAnotherAtAnySpeed) {
+  const Sheets sheets(2);
+  const Threads threads(1);
+  for (const double fall : {0.2, 1.0, 100.0}) {
+    Points to = sheets.positions;
+    to.bottomRows(81).col(1).array() -= fall;
+    BroadPhase broad(sheets.surface, threads, 10'000'000);
+    ASSERT_TRUE(broad.cover(sheets.positions, to, 0.01, 0.0));
+    const SafeStep step =
+        find_safe_step(broad, sheets.positions, to, {0.1, 0.01, 0.0}, select_ccd(native_isa()), threads);
+    ASSERT_LT(step.fraction, 1.0) << fall;
+    ASSERT_GT(step.fraction, 0.0);
+    const Points at = sheets.positions + step.fraction * (to - sheets.positions);
+    EXPECT_TRUE(find_crossings(sheets.surface, at, threads).empty());
+    // Not far from the touch: a little further they would cross.
+    const Points beyond = sheets.positions + (step.fraction + 0.02 / fall) * (to - sheets.positions);
+    EXPECT_FALSE(find_crossings(sheets.surface, beyond, threads).empty()) << fall;
+  }
+}
+
+TEST(Crossings, NameTheEdgeAndTheTriangleThatCut) {
+  Sheets sheets(2);
+  const Threads threads(1);
+  EXPECT_TRUE(find_crossings(sheets.surface, sheets.positions, threads).empty());
+  sheets.positions(81 + 40, 1) = -0.2; // one node pulled down through the other sheet
+  const std::vector<Crossing> found = find_crossings(sheets.surface, sheets.positions, threads);
+  ASSERT_FALSE(found.empty());
+  bool named = false;
+  for (const Crossing& crossing : found)
+    named = named || crossing.edge[0] == 121 || crossing.edge[1] == 121;
+  EXPECT_TRUE(named);
+}
+
+} // namespace
+} // namespace wry::contact
