@@ -20,6 +20,51 @@ Result<scene::ColliderField> make_field(std::shared_ptr<const scene::Collider> c
   return scene::ColliderField::create(std::move(collider), {0.5 * cell, LEAST_WALL_CELLS * cell});
 }
 
+/// The walls of a container as solids that overlap where they meet, so that no wall has a face inside another one by
+/// which a particle could find its way through. They grow outward to at least `least` [m].
+std::vector<scene::BoxObstacle> overlapping_walls(const scene::BoxObstacle& box, double least) {
+  const Vec3 half = 0.5 * box.size;
+  const double thickness = std::max(box.wall, least);
+  Vec3 outer[2]; // of the whole, by side
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int side = 0; side < 2; ++side) {
+      const bool open = box.open[static_cast<std::size_t>(2 * axis + side)];
+      outer[side][axis] = (side == 0 ? -1.0 : 1.0) * (open ? half[axis] : half[axis] - box.wall + thickness);
+    }
+  }
+  std::vector<scene::BoxObstacle> walls;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int side = 0; side < 2; ++side) {
+      if (box.open[static_cast<std::size_t>(2 * axis + side)])
+        continue;
+      Vec3 low = outer[0];
+      Vec3 high = outer[1];
+      (side == 0 ? high : low)[axis] = (side == 0 ? -1.0 : 1.0) * (half[axis] - box.wall);
+      scene::BoxObstacle wall;
+      wall.axes = box.axes;
+      wall.centre = box.centre + box.axes * (0.5 * (low + high));
+      wall.size = high - low;
+      walls.push_back(wall);
+    }
+  }
+  return walls;
+}
+
+/// What a collider is on the grid: itself, or the walls of a container one by one.
+std::vector<std::shared_ptr<const scene::Collider>> obstacles_of(std::shared_ptr<const scene::Collider> collider,
+                                                                 double cell) {
+  const auto* box = std::get_if<scene::BoxObstacle>(&collider->shape);
+  if (box == nullptr || !box->is_container())
+    return {std::move(collider)};
+  std::vector<std::shared_ptr<const scene::Collider>> walls;
+  for (const scene::BoxObstacle& wall : overlapping_walls(*box, LEAST_WALL_CELLS * cell)) {
+    auto one = std::make_shared<scene::Collider>(*collider);
+    one->shape = wall;
+    walls.push_back(std::move(one));
+  }
+  return walls;
+}
+
 } // namespace
 
 Vec3 contact_velocity(const Vec3& velocity, const Vec3& wall, const Vec3& normal, scene::ColliderContact contact,
@@ -40,11 +85,13 @@ Result<Boundaries> Boundaries::create(const MpmPlan& plan) {
   Boundaries made;
   made.m_cell = plan.settings.cell;
   for (const std::shared_ptr<const scene::Collider>& collider : plan.colliders) {
-    Result<scene::ColliderField> field = make_field(collider, made.m_cell);
-    if (!field)
-      return field.error();
-    const bool is_plane = std::holds_alternative<scene::PlaneObstacle>(collider->shape);
-    made.m_obstacles.push_back({std::move(*field), {}, {}, !is_plane});
+    for (const std::shared_ptr<const scene::Collider>& obstacle : obstacles_of(collider, made.m_cell)) {
+      Result<scene::ColliderField> field = make_field(obstacle, made.m_cell);
+      if (!field)
+        return field.error();
+      const bool is_plane = std::holds_alternative<scene::PlaneObstacle>(obstacle->shape);
+      made.m_obstacles.push_back({std::move(*field), {}, {}, !is_plane});
+    }
   }
   for (const HeldSpace& held : plan.held) {
     auto collider = std::make_shared<scene::Collider>();
@@ -106,7 +153,7 @@ double Boundaries::max_speed(double time, double dt) const {
 bool Boundaries::near_block(const Obstacle& obstacle, const BlockCoord& coord, double margin_cells) const {
   constexpr double MIDDLE = 0.5 * (BLOCK_SIDE - 1);
   const double reach = (MIDDLE * std::sqrt(3.0) + margin_cells) * m_cell;
-  return obstacle.field.sample(obstacle.pose, node_position(coord, Vec3::Constant(MIDDLE), m_cell)).distance <= reach;
+  return obstacle.field.distance(obstacle.pose, node_position(coord, Vec3::Constant(MIDDLE), m_cell)) <= reach;
 }
 
 template <class Scalar> void Boundaries::constrain_nodes(const BlockCoord& coord, Scalar* values) const {
@@ -134,9 +181,9 @@ template <class Scalar> void Boundaries::constrain_nodes(const BlockCoord& coord
     const auto touch = [&] {
       touched = 0;
       for (const Obstacle* obstacle : near) {
-        const scene::ColliderSample sample = obstacle->field.sample(obstacle->pose, at);
-        if (sample.distance > surface)
+        if (obstacle->field.distance(obstacle->pose, at) > surface)
           continue;
+        const scene::ColliderSample sample = obstacle->field.sample(obstacle->pose, at);
         const scene::Collider& collider = obstacle->field.collider();
         velocity =
             contact_velocity(velocity, obstacle->twist.at(at), sample.normal, collider.contact, collider.friction);
@@ -147,7 +194,7 @@ template <class Scalar> void Boundaries::constrain_nodes(const BlockCoord& coord
     if (touched > 1) // corners: what one wall pushes into another is pushed out again
       touch();
     for (const Obstacle* space : holding) {
-      if (space->field.sample(space->pose, at).distance <= surface)
+      if (space->field.distance(space->pose, at) <= surface)
         velocity = space->twist.at(at);
     }
     if (velocity == before)
@@ -160,20 +207,31 @@ template <class Scalar> void Boundaries::constrain_nodes(const BlockCoord& coord
 template void Boundaries::constrain_nodes(const BlockCoord&, float*) const;
 template void Boundaries::constrain_nodes(const BlockCoord&, double*) const;
 
-void Boundaries::walls_near(const BlockCoord& coord, std::vector<int>& walls, WallKind kind) const {
+void Boundaries::walls_near(const BlockCoord& coord, std::vector<NearWall>& walls, WallKind kind) const {
+  constexpr double MIDDLE = 0.5 * (BLOCK_SIDE - 1);
+  // Particles reach 2.5 cells beyond the block's nodes before they are sorted, and move by less than one.
+  constexpr double MARGIN = 6.0;
+  const double reach = (MIDDLE * std::sqrt(3.0) + MARGIN) * m_cell;
+  const Vec3 centre = node_position(coord, Vec3::Constant(MIDDLE), m_cell);
   walls.clear();
   for (std::size_t i = 0; i < m_obstacles.size(); ++i) {
-    // Particles reach 2.5 cells beyond the block's nodes before they are sorted, and move by less than one.
-    if ((m_obstacles[i].has_inside || kind == WallKind::all) && near_block(m_obstacles[i], coord, 6.0))
-      walls.push_back(static_cast<int>(i));
+    if (!m_obstacles[i].has_inside && kind == WallKind::with_inside)
+      continue;
+    const double distance = m_obstacles[i].field.distance(m_obstacles[i].pose, centre);
+    if (distance <= reach)
+      walls.push_back({static_cast<int>(i), centre, distance});
   }
 }
 
-std::optional<ObstacleContact> Boundaries::nearest_obstacle(const std::vector<int>& walls, const Vec3& point,
+std::optional<ObstacleContact> Boundaries::nearest_obstacle(const std::vector<NearWall>& walls, const Vec3& point,
                                                             double reach) const {
   std::optional<ObstacleContact> nearest;
-  for (const int wall : walls) {
-    const Obstacle& obstacle = m_obstacles[static_cast<std::size_t>(wall)];
+  for (const NearWall& wall : walls) {
+    if (!wall.may_touch(point, reach))
+      continue;
+    const Obstacle& obstacle = m_obstacles[static_cast<std::size_t>(wall.obstacle)];
+    if (obstacle.field.distance(obstacle.pose, point) >= (nearest ? nearest->distance : reach))
+      continue;
     const scene::ColliderSample sample = obstacle.field.sample(obstacle.pose, point);
     if (sample.distance < (nearest ? nearest->distance : reach))
       nearest = ObstacleContact{sample.distance, sample.normal, obstacle.twist.at(point)};
@@ -181,18 +239,27 @@ std::optional<ObstacleContact> Boundaries::nearest_obstacle(const std::vector<in
   return nearest;
 }
 
-bool Boundaries::push_out(const std::vector<int>& walls, Vec3& position, Vec3& velocity) const {
+bool Boundaries::push_out(const std::vector<NearWall>& walls, Vec3& position, Vec3& velocity) const {
   bool pushed = false;
-  for (const int wall : walls) {
-    const Obstacle& obstacle = m_obstacles[static_cast<std::size_t>(wall)];
-    const scene::ColliderSample sample = obstacle.field.sample(obstacle.pose, position);
-    if (sample.distance >= 0.0)
-      continue;
-    position -= sample.distance * sample.normal;
-    const double into = (velocity - obstacle.twist.at(position)).dot(sample.normal);
-    if (into < 0.0)
-      velocity -= into * sample.normal;
-    pushed = true;
+  // Twice, since one wall of a corner may push into another.
+  for (int round = 0; round < 2; ++round) {
+    bool again = false;
+    for (const NearWall& wall : walls) {
+      const Obstacle& obstacle = m_obstacles[static_cast<std::size_t>(wall.obstacle)];
+      if (!wall.may_touch(position, 0.0) || obstacle.field.distance(obstacle.pose, position) >= 0.0)
+        continue;
+      const scene::ColliderSample sample = obstacle.field.sample(obstacle.pose, position);
+      if (sample.distance >= 0.0)
+        continue;
+      position -= sample.distance * sample.normal;
+      const double into = (velocity - obstacle.twist.at(position)).dot(sample.normal);
+      if (into < 0.0)
+        velocity -= into * sample.normal;
+      again = walls.size() > 1;
+      pushed = true;
+    }
+    if (!again)
+      break;
   }
   return pushed;
 }

@@ -29,6 +29,7 @@ struct MpmBody {
   Mat3 frame = Mat3::Identity(); ///< Q at the start: columns are the material's axes in the world
   /// Per particle, a row each (w, x, y, z), in place of `frame`; needs material.fibre_varies.
   std::shared_ptr<const Quaternions> frames;
+  Vec3 second_moment = Vec3::UnitZ();  ///< shares of the grains along the axes at the start; sum to 1
   std::vector<double> stiffness_scale; ///< per particle; empty: 1
   std::vector<double> strength_scale;  ///< per particle; empty: 1
   /// Grains that are drawn in place of the particles it starts with; absent: none, at no cost.

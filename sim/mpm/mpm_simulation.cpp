@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Geometry>
 
@@ -74,7 +75,7 @@ private:
   void update_grid(double dt);
   Status gather(double dt, StepStats& stats);
   BlockReport gather_block(std::size_t block, double dt);
-  void keep_out_of_walls(std::size_t body, const BlockRun& run, const std::vector<int>& walls);
+  bool keep_out_of_walls(std::size_t body, const BlockRun& run, const std::vector<NearWall>& walls);
   void carry_grains(const ChosenStep& chosen);
   Error lost_particle(const BlockReport& report, double dt) const;
   double stiffest_speed() const;
@@ -278,10 +279,13 @@ template <class Scalar> void Simulation<Scalar>::update_grid(double dt) {
   });
 }
 
+/// Returns whether a particle was put so far that it must be sorted before the next scatter: one that begins deep
+/// inside a wall may leave the halo at once.
 template <class Scalar>
-void Simulation<Scalar>::keep_out_of_walls(std::size_t body, const BlockRun& run, const std::vector<int>& walls) {
+bool Simulation<Scalar>::keep_out_of_walls(std::size_t body, const BlockRun& run, const std::vector<NearWall>& walls) {
   ParticleSet<Scalar>& particles = m_state.sets[body].particles;
   const double cell = m_plan.settings.cell;
+  bool strayed = false;
   const std::size_t first = static_cast<std::size_t>(run.first_tile) * WIDTH;
   for (std::size_t i = 0; i < static_cast<std::size_t>(run.count); ++i) {
     Vec3 position = world_position(particles, run, first + i, cell);
@@ -293,10 +297,12 @@ void Simulation<Scalar>::keep_out_of_walls(std::size_t body, const BlockRun& run
     const std::int64_t coord[3] = {run.coord.x, run.coord.y, run.coord.z};
     for (int axis = 0; axis < 3; ++axis) {
       const double local = position[axis] / cell - static_cast<double>(coord[axis] * BLOCK_SIDE);
+      strayed = strayed || local < LEAST_POSITION || local >= POSITION_END;
       particles.at(Channel::position, first + i, axis) = static_cast<Scalar>(local);
       particles.at(Channel::velocity, first + i, axis) = static_cast<Scalar>(velocity[axis]);
     }
   }
+  return strayed;
 }
 
 template <class Scalar> BlockReport Simulation<Scalar>::gather_block(std::size_t block, double dt) {
@@ -309,14 +315,14 @@ template <class Scalar> BlockReport Simulation<Scalar>::gather_block(std::size_t
   m_transfers.read_halo(around.data(), halo);
   std::fill(halo + HALO_VALUES - NODE_VALUES, halo + HALO_VALUES, Scalar(0));
   BlockReport report;
-  std::vector<int> walls;
+  std::vector<NearWall> walls;
   m_boundaries.walls_near(
       m_state.sets[m_blocks[block].runs.front().first].runs[m_blocks[block].runs.front().second].coord, walls);
   for (const auto& [body, index] : m_blocks[block].runs) {
     const BlockRun& run = m_state.sets[body].runs[index];
     const GatherReport one = kernel(transfer_run(body, run, dt), halo);
     if (!walls.empty())
-      keep_out_of_walls(body, run, walls);
+      report.sums.strayed |= keep_out_of_walls(body, run, walls);
     report.sums.max_speed_squared = std::max(report.sums.max_speed_squared, one.max_speed_squared);
     report.sums.max_gradient_squared = std::max(report.sums.max_gradient_squared, one.max_gradient_squared);
     report.sums.strayed = report.sums.strayed || one.strayed;
@@ -474,7 +480,11 @@ template <class Scalar> SceneStatic Simulation<Scalar>::scene_static() const {
     SceneBody described;
     described.name = body.name;
     described.look = body.look;
-    described.rest_positions = *body.positions;
+    // Grains are drawn in its place: a surface without triangles is nothing to be seen.
+    described.kind = body.sub_particles ? BodyKind::surface : BodyKind::particles;
+    // As large as the matter that a particle stands for.
+    described.grain.shape = GrainShape::sphere;
+    described.grain.size = Vec3::Constant(std::cbrt(body.particle_volume * 6.0 / std::numbers::pi));
     scene.bodies.push_back(std::move(described));
   }
   for (const SubParticles& grains : m_grains)

@@ -78,6 +78,16 @@ template <class Scalar> Status restore_runs(const NamedArray& array, SortedSet<S
   return {};
 }
 
+/// The gradient of a velocity field around a point: what APIC's affine field starts as. Exact for linear fields.
+Mat3 slope_of(const std::function<Vec3(const Vec3&)>& field, const Vec3& point, double reach) {
+  Mat3 slope;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 step = reach * Vec3::Unit(axis);
+    slope.col(axis) = (field(point + step) - field(point - step)) / (2.0 * reach);
+  }
+  return slope;
+}
+
 } // namespace
 
 template <class Scalar> void start_particles(const MpmBody& body, std::int64_t first_identity, SortedSet<Scalar>& set) {
@@ -90,8 +100,13 @@ template <class Scalar> void start_particles(const MpmBody& body, std::int64_t f
       return;
     const Eigen::Index index = static_cast<Eigen::Index>(identity % count);
     Vec3 velocity = body.initial_velocity;
-    if (body.velocity_field)
-      velocity += body.velocity_field(body.positions->row(index));
+    if (body.velocity_field) {
+      const Vec3 at = body.positions->row(index);
+      velocity += body.velocity_field(at);
+      const Mat3 slope = slope_of(body.velocity_field, at, 0.5 * std::cbrt(body.particle_volume));
+      for (int c = 0; c < 9; ++c)
+        particles.at(Channel::affine, place, c) = static_cast<Scalar>(slope(c / 3, c % 3));
+    }
     for (int c = 0; c < 3; ++c)
       particles.at(Channel::velocity, place, c) = static_cast<Scalar>(velocity[c]);
     if (particles.has(Channel::frame)) {
@@ -99,6 +114,8 @@ template <class Scalar> void start_particles(const MpmBody& body, std::int64_t f
       for (int c = 0; c < 4; ++c)
         particles.at(Channel::frame, place, c) = static_cast<Scalar>(q[c]);
     }
+    for (int c = 0; c < 6 && particles.has(Channel::second_moment); ++c)
+      particles.at(Channel::second_moment, place, c) = static_cast<Scalar>(c < 3 ? body.second_moment[c] : 0.0);
     if (particles.has(Channel::stiffness_scale) && !body.stiffness_scale.empty())
       particles.at(Channel::stiffness_scale, place, 0) =
           static_cast<Scalar>(body.stiffness_scale[static_cast<std::size_t>(index)]);
@@ -106,7 +123,8 @@ template <class Scalar> void start_particles(const MpmBody& body, std::int64_t f
       particles.at(Channel::strength_scale, place, 0) =
           static_cast<Scalar>(body.strength_scale[static_cast<std::size_t>(index)]);
   });
-  for (const Channel channel : {Channel::velocity, Channel::frame, Channel::stiffness_scale, Channel::strength_scale})
+  for (const Channel channel : {Channel::velocity, Channel::affine, Channel::frame, Channel::second_moment,
+                                Channel::stiffness_scale, Channel::strength_scale})
     fill_up_runs(set, channel);
 }
 

@@ -48,6 +48,7 @@ Vec3 any_normal_to(const Vec3& direction) {
 struct ColliderField::Shape {
   virtual ~Shape() = default;
   virtual ColliderSample sample(const Vec3& point) const = 0;
+  virtual double distance(const Vec3& point) const { return sample(point).distance; }
 };
 
 namespace {
@@ -107,15 +108,19 @@ MadeShape make_shape(const CylinderObstacle& cylinder, const ColliderFieldSettin
   });
 }
 
-MadeShape make_solid(const MeshObstacle& mesh, const ColliderFieldSettings& settings) {
-  Result<geometry::SignedDistance> distance = geometry::SignedDistance::from_surface(*mesh.mesh, settings.voxel);
-  if (!distance)
-    return std::move(distance).error();
-  return analytic([field = std::move(*distance)](const Vec3& point) {
+/// The inside of a closed mesh.
+struct Solid final : ColliderField::Shape {
+  explicit Solid(geometry::SignedDistance field_)
+      : field(std::move(field_)) {}
+  double distance(const Vec3& point) const override {
+    const double outside = (point - point.cwiseMax(field.low()).cwiseMin(field.high())).norm();
+    return outside > 0.0 ? std::max(field.value(point), outside) : field.value(point);
+  }
+  ColliderSample sample(const Vec3& point) const override {
     const Vec3 nearest = point.cwiseMax(field.low()).cwiseMin(field.high());
     const double outside = (point - nearest).norm();
     ColliderSample sample;
-    sample.distance = outside > 0.0 ? std::max(field.value(point), outside) : field.value(point);
+    sample.distance = distance(point);
     const Vec3 slope = field.gradient(point);
     const double steepness = slope.norm();
     if (steepness > 1e-3)
@@ -123,7 +128,15 @@ MadeShape make_solid(const MeshObstacle& mesh, const ColliderFieldSettings& sett
     else if (outside > 0.0)
       sample.normal = (point - nearest) / outside;
     return sample;
-  });
+  }
+  geometry::SignedDistance field;
+};
+
+MadeShape make_solid(const MeshObstacle& mesh, const ColliderFieldSettings& settings) {
+  Result<geometry::SignedDistance> distance = geometry::SignedDistance::from_surface(*mesh.mesh, settings.voxel);
+  if (!distance)
+    return std::move(distance).error();
+  return std::shared_ptr<const ColliderField::Shape>(std::make_shared<Solid>(std::move(*distance)));
 }
 
 MadeShape make_sheet(const MeshObstacle& mesh, const ColliderFieldSettings& settings) {
@@ -151,6 +164,10 @@ Result<ColliderField> ColliderField::create(std::shared_ptr<const Collider> coll
   field.m_collider = std::move(collider);
   field.m_shape = std::move(*shape);
   return field;
+}
+
+double ColliderField::distance(const Pose& pose, const Vec3& point) const {
+  return m_shape->distance(pose.apply_inverse(point));
 }
 
 ColliderSample ColliderField::sample(const Pose& pose, const Vec3& point) const {

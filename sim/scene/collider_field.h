@@ -33,6 +33,9 @@ public:
   /// At a point of the world where the collider is in this pose.
   ColliderSample sample(const Pose& pose, const Vec3& point) const;
 
+  /// The distance alone [m]: of a closed mesh a seventh of the cost, since a normal takes six samples more.
+  double distance(const Pose& pose, const Vec3& point) const;
+
   /// The shape alone, made ready for queries; of the implementation.
   struct Shape;
 

@@ -70,6 +70,7 @@ public:
 
   bool moves() const { return m_times.size() > 1; }
   double first_time() const { return m_times.empty() ? 0.0 : m_times.front(); } ///< [s]
+  const std::vector<double>& key_times() const { return m_times; }              ///< ascending [s]
   double last_time() const { return m_times.empty() ? 0.0 : m_times.back(); }   ///< [s]
 
   Pose pose(double time) const;

@@ -17,6 +17,7 @@ struct SubParticleSettings {
   GrainShape shape = GrainShape::rod; ///< how a grain is drawn
   Vec3 size{0.004, 0.004, 0.016};     ///< of a grain along the material's x, y, z [m]; z is the fibre or normal
   double size_variation = 0.2;        ///< standard deviation of the size, relative
+  Vec3 second_moment = Vec3::UnitZ(); ///< of their directions in the material's axes: shares that sum to 1
   double tilt_degrees = 6.0;          ///< standard deviation of a grain's direction from the material's z
   std::uint64_t seed = 1;
   double escape_density = 0.005; ///< theta: below this share of the material's density a grain flies by itself

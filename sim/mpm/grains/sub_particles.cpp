@@ -35,7 +35,7 @@ struct SubParticles::Field {
   alignas(64) float density[NODES]; ///< share of rho_0
   BlockCoord coord;
   Vec3 origin; ///< of the block's first node, in cells
-  std::vector<int> walls;
+  std::vector<NearWall> walls;
   const Boundaries* boundaries = nullptr;
   Vec3 gravity;
   double cell = 0.0, dt = 0.0;
@@ -142,6 +142,29 @@ private:
   }
 };
 
+namespace {
+
+/// A direction whose second moment is about diag(shares); exact when all shares are alike, or one is all.
+Vec3 spread_direction(const Vec3& shares, Dice& dice) {
+  if (shares == Vec3::UnitZ())
+    return Vec3::UnitZ();
+  Vec3 direction = Vec3::Zero();
+  while (!(direction.norm() > 1e-9)) {
+    for (int k = 0; k < 3; ++k)
+      direction[k] = shares[k] * dice.normal(); // normalising draws towards the mean; shares, not their roots, make up
+  }
+  return direction.normalized();
+}
+
+/// The shortest turn of z to a direction.
+Vec4 turn_to(const Vec3& direction) {
+  if (direction.z() < -1.0 + 1e-12)
+    return {0.0, 1.0, 0.0, 0.0};
+  return Vec4(1.0 + direction.z(), -direction.y(), direction.x(), 0.0).normalized();
+}
+
+} // namespace
+
 SubParticles::SubParticles(SubParticleSettings settings, const SubParticleStart& start)
     : m_settings(std::move(settings))
     , m_density(start.density) {
@@ -163,7 +186,8 @@ SubParticles::SubParticles(SubParticleSettings settings, const SubParticleStart&
     const Vec4 frame = start.frames.row(start.frames.rows() == 1 ? 0 : particle).transpose();
     const Vec4 roll = quaternion_exponential(2.0 * std::numbers::pi * dice.uniform() * Vec3::UnitZ());
     const Vec4 tilted = quaternion_exponential(Vec3(tilt * dice.normal(), tilt * dice.normal(), 0.0));
-    m_orientation[i] = quaternion_product(frame, quaternion_product(tilted, roll));
+    const Vec4 spread = quaternion_product(turn_to(spread_direction(m_settings.second_moment, dice)), tilted);
+    m_orientation[i] = quaternion_product(frame, quaternion_product(spread, roll));
     m_size[i] = static_cast<float>(std::clamp(1.0 + m_settings.size_variation * dice.normal(), 0.4, 2.0));
   }
 }
