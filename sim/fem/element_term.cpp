@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sim/fem/element_projection.h"
+#include "sim/fem/rotation_interpolation.h"
 
 namespace wry::fem {
 
@@ -18,12 +19,12 @@ int node_of(const ElementGroup& group, int batch, int corner, int lane) {
 
 } // namespace
 
-ElementTerm::ElementTerm(ElementGroup group, Points rest_points, RestCurvature rest_curvature, Isa isa,
+ElementTerm::ElementTerm(ElementGroup group, std::vector<RestPlace> rest_places, RestCurvature rest_curvature, Isa isa,
                          const Threads& threads)
     : m_group(std::move(group))
     , m_isa(isa)
     , m_kernel(select_kernel(m_group, isa))
-    , m_rest_points(std::move(rest_points))
+    , m_rest_places(std::move(rest_places))
     , m_rest_curvature(std::move(rest_curvature))
     , m_threads(threads) {
   if (m_group.curvature == CurvatureModel::none)
@@ -37,7 +38,7 @@ int ElementTerm::lanes_of(int batch) const {
   return std::min(LANES, m_group.element_count - batch * LANES);
 }
 
-std::vector<std::array<std::int32_t, 4>> ElementTerm::element_nodes() const {
+std::vector<std::array<std::int32_t, 4>> ElementTerm::node_quadruples() const {
   std::vector<std::array<std::int32_t, 4>> nodes(m_group.element_count);
   for (int element = 0; element < m_group.element_count; ++element) {
     for (int k = 0; k < 4; ++k)
@@ -115,17 +116,16 @@ void ElementTerm::begin_solve(const Stage& stage, const Trial&) {
 }
 
 void ElementTerm::update_rest_curvature(double time) {
-  if (!m_rest_curvature || (m_rest_curvature_known && m_rest_curvature_time == time))
+  if (!m_rest_curvature || (m_rest_curvature_known && (m_rest_curvature_time == time || !m_rest_curvature_moves)))
     return;
-  for (int element = 0; element < m_group.element_count; ++element) {
-    for (int point = 0; point < POINTS; ++point) {
-      const Mat3 value = m_rest_curvature(m_rest_points.row(4 * element + point), time);
-      double* out = m_group.rest_curvature.data() +
-                    (static_cast<std::size_t>(element / LANES) * 36 + point * 9) * LANES + element % LANES;
+  m_threads.for_each(m_group.element_count, 64, [&](std::size_t element) {
+    for (std::size_t point = 0; point < POINTS; ++point) {
+      const Mat3 value = m_rest_curvature(m_rest_places[4 * element + point], time);
+      double* out = m_group.rest_curvature.data() + (element / LANES * 36 + point * 9) * LANES + element % LANES;
       for (int i = 0; i < 9; ++i)
         out[i * LANES] = value(i / 3, i % 3);
     }
-  }
+  });
   m_rest_curvature_time = time;
   m_rest_curvature_known = true;
 }
@@ -205,7 +205,7 @@ int ElementTerm::add_hessian(const Stage& stage, const Trial& trial, Projection 
     BatchDerivatives out;
     for (int batch = m_chunks[index].begin; batch < m_chunks[index].end; ++batch) {
       m_kernel.hessian(m_group, fields, batch, out);
-      for (int lane = 0; projection != Projection::none && lane < lanes_of(batch); ++lane)
+      for (int lane = 0; projection == Projection::indefinite_elements && lane < lanes_of(batch); ++lane)
         projected[index] += classic ? project_element<3>(out.hessian, lane) : project_element<6>(out.hessian, lane);
       if (classic)
         scatter_hessian<3>(batch, out, scale, values);
@@ -227,6 +227,26 @@ void ElementTerm::advance_rotations(const Trial& trial) {
                      [&](std::size_t batch) { m_kernel.advance_rotations(m_group, fields, static_cast<int>(batch)); });
 }
 
+void ElementTerm::reset_point_rotations(PointRotations rule) {
+  if (m_group.point_rotations.empty())
+    return;
+  const Eigen::Matrix4d weights = quadrature_weights();
+  m_threads.for_each(m_group.element_count, 64, [&](std::size_t element) {
+    const int batch = static_cast<int>(element / LANES);
+    const int lane = static_cast<int>(element % LANES);
+    std::array<Vec4, 4> corners;
+    for (int k = 0; k < 4; ++k)
+      corners[k] = m_rotations->row(node_of(m_group, batch, k, lane)).transpose();
+    for (int point = 0; point < POINTS; ++point) {
+      const Vec4 row = weights.row(point);
+      const Vec4 q = interpolate_rotation(rule, corners, {row.data(), 4});
+      double* out = m_group.point_rotations.data() + (static_cast<std::size_t>(batch) * 16 + 4 * point) * LANES + lane;
+      for (int i = 0; i < 4; ++i)
+        out[i * LANES] = q[i];
+    }
+  });
+}
+
 std::vector<double> ElementTerm::element_energies(const Trial& trial) const {
   const NodeFields fields = fields_of(trial);
   std::vector<double> energies(static_cast<std::size_t>(m_group.batch_count) * LANES);
@@ -239,17 +259,42 @@ std::vector<double> ElementTerm::element_energies(const Trial& trial) const {
   return energies;
 }
 
-double ElementTerm::elastic_energy(const Trial& trial) {
+std::vector<double> ElementTerm::elastic_energies(const Trial& trial) {
   const CurvatureModel curvature = m_group.curvature;
   const ElementKernel kernel = m_kernel;
   m_group.curvature = CurvatureModel::none;
   m_kernel = select_kernel(m_group, m_isa);
-  double sum = 0.0;
-  for (const double energy : element_energies(trial))
-    sum += energy;
+  std::vector<double> energies = element_energies(trial);
   m_group.curvature = curvature;
   m_kernel = kernel;
+  return energies;
+}
+
+double ElementTerm::elastic_energy(const Trial& trial) {
+  double sum = 0.0;
+  for (const double energy : elastic_energies(trial))
+    sum += energy;
   return sum;
+}
+
+void ElementTerm::add_deformations(const Points& positions, std::vector<Mat3>& sums) const {
+  for (int element = 0; element < m_group.element_count; ++element) {
+    const std::size_t batch = element / LANES;
+    const int lane = element % LANES;
+    std::int32_t nodes[4];
+    for (std::size_t k = 0; k < 4; ++k)
+      nodes[k] = m_group.nodes[(batch * 4 + k) * LANES + lane];
+    Mat3 edges;
+    Mat3 gradients;
+    for (int k = 0; k < 3; ++k) {
+      edges.col(k) = positions.row(nodes[k + 1]) - positions.row(nodes[0]);
+      for (int j = 0; j < 3; ++j)
+        gradients(k, j) = m_group.shape_gradients[(batch * 9 + 3 * k + j) * LANES + lane];
+    }
+    const Mat3 weighted = m_group.volume[batch * LANES + lane] * (edges * gradients);
+    for (const std::int32_t node : nodes)
+      sums[node] += weighted;
+  }
 }
 
 } // namespace wry::fem

@@ -44,6 +44,13 @@ Status check_material(const FemBody& body) {
       !std::isfinite(m.alpha + m.beta + m.gamma))
     return make_error(ErrorCode::bad_input, "body '{}', material '{}': a curvature modulus is not a finite number",
                       body.name, m.name);
+  if (body.element == ElementKind::tet4_one_point && !curvature && m.rotary_inertia == 0.0)
+    return make_error(
+        ErrorCode::bad_input,
+        "body '{}', material '{}': one quadrature point leaves microrotations that nothing resists, so the "
+        "system is singular; give rotary_inertia or length_scale a positive value, or take quadrature = "
+        "\"full\"",
+        body.name, m.name);
   if (m.couple_modulus_ratio == 0.0 && !curvature && m.rotary_inertia == 0.0)
     return make_error(
         ErrorCode::bad_input,
@@ -54,9 +61,25 @@ Status check_material(const FemBody& body) {
   return {};
 }
 
+Status check_plate(const FemBody& body) {
+  if (!(body.thickness > 0.0) || !std::isfinite(body.thickness))
+    return make_error(ErrorCode::bad_input, "body '{}': a plate needs a thickness above 0, found {}", body.name,
+                      body.thickness);
+  if (body.material.max_stretch && !(*body.material.max_stretch >= 1.0))
+    return make_error(ErrorCode::bad_input, "body '{}', material '{}': max_stretch = {}, but it must be at least 1",
+                      body.name, body.material.name, *body.material.max_stretch);
+  for (Eigen::Index i = 0; i < body.triangles.size(); ++i) {
+    if (body.triangles.data()[i] < 0 || body.triangles.data()[i] >= body.mesh->vertices.rows())
+      return make_error(ErrorCode::bad_input, "body '{}': triangle {} refers to vertex {} of {}", body.name, i / 3,
+                        body.triangles.data()[i], body.mesh->vertices.rows());
+  }
+  return {};
+}
+
 Status check_mesh(const FemBody& body) {
-  if (!body.mesh || body.mesh->tets.rows() == 0)
-    return make_error(ErrorCode::bad_input, "body '{}' has no tets", body.name);
+  if (!body.mesh || (is_plate(body.element) ? body.triangles.rows() : body.mesh->tets.rows()) == 0)
+    return make_error(ErrorCode::bad_input, "body '{}' has no {}", body.name,
+                      is_plate(body.element) ? "triangles" : "tets");
   const geometry::TetMesh& mesh = *body.mesh;
   for (Eigen::Index vertex = 0; vertex < mesh.vertices.rows(); ++vertex) {
     if (!mesh.vertices.row(vertex).allFinite())
@@ -85,7 +108,7 @@ Status check_mesh(const FemBody& body) {
   }
   if (!body.initial_velocity.allFinite())
     return make_error(ErrorCode::bad_input, "body '{}': the initial velocity is not finite", body.name);
-  return {};
+  return is_plate(body.element) ? check_plate(body) : Status();
 }
 
 Status check_fixed(const FemPlan& plan, const FixedNodes& fixed) {
@@ -119,6 +142,10 @@ Status check_settings(const FemPlan& plan) {
       return make_error(ErrorCode::bad_input, "{} = {}, but it must lie between {} and {}", range.key, range.value,
                         range.least, range.most);
   }
+  if (s.rotation_update == RotationUpdate::exponential && s.integrator != Integrator::backward_euler)
+    return make_error(ErrorCode::bad_input,
+                      "fem.rotation_update = \"exponential\" goes with backward-euler only: bdf2 and sdirk2 count "
+                      "increments from where rotations are expected, so that both updates are the same to their order");
   if (!plan.gravity.allFinite())
     return make_error(ErrorCode::bad_input, "gravity is not finite");
   for (const scene::PlaneCollider& plane : plan.planes) {

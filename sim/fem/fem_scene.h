@@ -6,7 +6,7 @@
 #include "sim/base/isa.h"
 #include "sim/base/parallel.h"
 #include "sim/base/result.h"
-#include "sim/fem/element_term.h"
+#include "sim/fem/body_elements.h"
 #include "sim/fem/fem_model.h"
 #include "sim/fem/fem_plan.h"
 #include "sim/fem/mesh_order.h"
@@ -17,15 +17,18 @@ namespace wry::fem {
 /// starts.
 struct FemScene {
   FemModel model;
-  std::vector<OrderedMesh> meshes;                    ///< per body
-  std::vector<std::unique_ptr<ElementTerm>> elements; ///< per body
-  Points start_positions;                             ///< rest positions, lifted off planes that bodies touch [m]
-  std::vector<double> edges;                          ///< mean edge length of each body [m]
-  double suggested_contact_distance = 0.0;            ///< d-hat [m]
+  std::vector<OrderedMesh> meshes;                     ///< per body
+  std::vector<std::unique_ptr<BodyElements>> elements; ///< per body
+  Points start_positions;                              ///< rest positions, lifted off planes that bodies touch [m]
+  std::vector<double> edges;                           ///< mean edge length of each body [m]
+  double suggested_contact_distance = 0.0;             ///< d-hat [m]
 };
 
 /// Errors: bad_input naming the body and the vertex, tet, key or number that is wrong.
 Result<FemScene> build_scene(const FemPlan& plan, Isa isa, const Threads& threads);
+
+/// Nodes of the simulation for vertices of a body's mesh.
+std::vector<int> nodes_of(const FemScene& scene, int body, const std::vector<std::int32_t>& vertices);
 
 /// Checks what does not need arrays: finite numbers in range, indices, materials that are not singular.
 Status check_plan(const FemPlan& plan);

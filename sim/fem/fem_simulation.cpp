@@ -4,14 +4,20 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "sim/fem/boundary.h"
+#include "sim/fem/contact_system.h"
 #include "sim/fem/fem_scene.h"
 #include "sim/fem/fem_state.h"
 #include "sim/fem/newton.h"
 #include "sim/fem/nodal_rotations.h"
+#include "sim/fem/reactions.h"
 #include "sim/fem/solver_choice.h"
 #include "sim/fem/step_control.h"
 #include "sim/fem/terms/node_terms.h"
+#include "sim/fem/terms/stiffness_damping.h"
+#include "sim/fem/time_integrator.h"
 
 namespace wry::fem {
 
@@ -21,6 +27,7 @@ constexpr int FRICTION_PASSES = 2;
 /// A body that comes nearer than this share of d-hat gets a stiffer barrier for the steps to come.
 constexpr double CROWDED_SHARE = 0.02;
 constexpr double STIFFEN_BY = 4.0;
+constexpr int FIRST_GUESS_PASSES = 3;
 
 class Simulation final : public FemSimulation {
 public:
@@ -28,8 +35,8 @@ public:
       : m_plan(std::move(plan))
       , m_threads(threads)
       , m_isa(isa)
-      , m_control(m_plan.settings.max_time_step,
-                  std::min(m_plan.settings.min_time_step, m_plan.settings.max_time_step)) {}
+      , m_control(m_plan.settings.max_time_step, std::min(m_plan.settings.min_time_step, m_plan.settings.max_time_step))
+      , m_integrator(m_plan.settings.integrator) {}
 
   Status initialise();
 
@@ -46,10 +53,11 @@ public:
 private:
   void make_terms();
   void hold_nodes(double time);
-  Stage backward_euler(double dt, double time) const;
-  Trial first_guess(const Stage& stage) const;
+  std::optional<Trial> first_guess(const PlannedStage& planned) const;
+  void turn_ahead(const Points& increments);
   double tolerance(double dt) const;
-  NewtonReport attempt(const Stage& stage, Trial& trial);
+  NewtonReport attempt(double dt, double end);
+  NewtonReport solve(const PlannedStage& planned, Trial& trial);
   void accept(const Stage& stage, const Trial& trial);
   void stiffen_crowded_contacts();
   void report_energies(const Trial& trial, StepStats& stats);
@@ -61,15 +69,19 @@ private:
   Isa m_isa;
   FemScene m_scene;
   ContactState m_contact;
+  std::unique_ptr<ContactSystem> m_contact_system;
   std::unique_ptr<BlockMatrix> m_matrix;
   ChosenMethod m_linear;
   std::vector<std::unique_ptr<EnergyTerm>> m_node_terms;
   std::vector<EnergyTerm*> m_terms;
-  std::vector<char> m_held;
+  Boundary m_boundary;
   std::vector<Mat3> m_node_rotations;
   bool m_friction = false;
   FemState m_state;
   StepControl m_control;
+  TimeIntegrator m_integrator;
+  Reactions m_reactions;
+  int m_steps_since_reset = 0;
 };
 
 Status Simulation::initialise() {
@@ -79,15 +91,32 @@ Status Simulation::initialise() {
   m_scene = std::move(scene).value();
   m_contact.distance = m_plan.settings.contact_distance.value_or(m_scene.suggested_contact_distance);
   m_contact.stiffness = choose_contact_stiffness(m_plan, m_scene, m_contact.distance);
+  m_boundary = Boundary(m_plan, m_scene);
   hold_nodes(0.0);
   if (Status status = clear_planes(m_plan, m_contact, m_scene); !status)
     return status;
+  Result<std::unique_ptr<ContactSystem>> system =
+      ContactSystem::create(m_plan, m_scene, m_contact.distance, m_threads, m_isa);
+  if (!system)
+    return std::move(system).error();
+  m_contact_system = std::move(system).value();
+  m_contact.system = m_contact_system.get();
+  m_scene.model.springs = make_drive_springs(m_plan, m_scene);
+  m_scene.model.rotations = &m_state.rotations;
   std::vector<std::array<std::int32_t, 4>> tets;
-  for (const std::unique_ptr<ElementTerm>& elements : m_scene.elements) {
-    const std::vector<std::array<std::int32_t, 4>> nodes = elements->element_nodes();
+  for (const std::unique_ptr<BodyElements>& elements : m_scene.elements) {
+    const std::vector<std::array<std::int32_t, 4>> nodes = elements->node_quadruples();
     tets.insert(tets.end(), nodes.begin(), nodes.end());
   }
   m_matrix = std::make_unique<BlockMatrix>(m_scene.model.layout, tets, m_isa);
+  std::vector<DampedElements> damped;
+  for (std::size_t body = 0; body < m_plan.bodies.size(); ++body) {
+    if (const double damping = m_plan.bodies[body].material.stiffness_damping; damping > 0.0)
+      damped.push_back({m_scene.elements[body].get(), damping});
+  }
+  if (!damped.empty())
+    m_node_terms.push_back(make_stiffness_damping(
+        m_scene.model, std::move(damped), std::make_unique<BlockMatrix>(m_scene.model.layout, tets, m_isa), m_threads));
   Result<ChosenMethod> method = choose_linear_method(m_plan, m_scene, *m_matrix, m_threads);
   if (!method)
     return std::move(method).error();
@@ -98,15 +127,17 @@ Status Simulation::initialise() {
 }
 
 void Simulation::make_terms() {
+  for (const std::unique_ptr<EnergyTerm>& term : m_node_terms)
+    m_terms.push_back(term.get());
   for (const EnergyTermEntry& entry : energy_term_table()) {
     std::unique_ptr<EnergyTerm> term = entry.make(m_scene.model, m_contact);
     if (!term)
       continue;
-    m_friction = m_friction || entry.name == "plane_friction";
+    m_friction = m_friction || entry.name == "plane_friction" || entry.name == "pair_friction";
     m_terms.push_back(term.get());
     m_node_terms.push_back(std::move(term));
   }
-  for (const std::unique_ptr<ElementTerm>& elements : m_scene.elements) {
+  for (const std::unique_ptr<BodyElements>& elements : m_scene.elements) {
     elements->bind_layout(m_scene.model.layout, *m_matrix);
     elements->bind_rotations(&m_state.rotations);
     elements->update_rest_curvature(m_state.time);
@@ -114,70 +145,56 @@ void Simulation::make_terms() {
   }
 }
 
-/// Marks the unknowns that are held in a step which ends at `time`, and the nodes that obstacles cannot push.
+/// Marks the unknowns that are given in a step which ends at `time`, and the nodes that obstacles cannot push.
 void Simulation::hold_nodes(double time) {
-  const FemModel& model = m_scene.model;
-  m_held.assign(model.layout.dof_count(), 0);
-  m_contact.ignored.assign(model.layout.node_count(), 0);
-  const auto hold = [&](int node, int first, int last) {
-    for (int i = first; i < last; ++i)
-      m_held[model.layout.dof(node) + i] = 1;
-  };
-  for (const FixedNodes& fixed : m_plan.fixed) {
-    if (fixed.until && time > *fixed.until * (1.0 + 1e-12))
-      continue;
-    for (const std::int32_t vertex : fixed.nodes) {
-      const int node = model.bodies[fixed.body].first_node + m_scene.meshes[fixed.body].node_of_vertex[vertex];
-      if (fixed.hold_positions)
-        hold(node, 0, 3);
-      if (fixed.hold_microrotations && model.layout.dofs(node) == 6)
-        hold(node, 3, 6);
-    }
-  }
-  for (int node = 0; node < model.layout.node_count(); ++node) {
-    if (model.mass[node] == 0.0) // in no tet: nothing moves it
-      hold(node, 0, model.layout.dofs(node));
-    m_contact.ignored[node] = m_held[model.layout.dof(node)];
-  }
+  m_boundary.hold(time);
+  m_contact.ignored = m_boundary.immovable();
 }
 
-Stage Simulation::backward_euler(double dt, double time) const {
-  Stage stage;
-  stage.beta = stage.dt = dt;
-  stage.time = time;
-  stage.base_positions = stage.start_positions = m_state.positions;
-  stage.base_velocities = m_state.velocities;
-  stage.base_angular = m_state.angular;
-  return stage;
-}
-
-/// Last velocities, shortened where they would pass an obstacle; zero where they would invert elements.
-Trial Simulation::first_guess(const Stage& stage) const {
+/// The expected velocities, shortened where they would pass an obstacle; where the step starts if they would invert
+/// elements. Nothing when drives lead through an obstacle.
+std::optional<Trial> Simulation::first_guess(const PlannedStage& planned) const {
+  const Stage& stage = planned.stage;
   Trial trial;
-  trial.velocities = m_state.velocities;
-  trial.angular = m_state.angular;
-  for (int node = 0; node < m_scene.model.layout.node_count(); ++node) {
-    const std::size_t dof = m_scene.model.layout.dof(node);
-    if (m_held[dof])
-      trial.velocities.row(node).setZero();
-    if (m_scene.model.layout.dofs(node) == 6 && m_held[dof + 3])
-      trial.angular.row(node).setZero();
+  trial.velocities = planned.guess_velocities;
+  trial.angular = planned.guess_angular;
+  m_boundary.impose(stage, m_state.rotations, trial);
+  // Where the step starts, which is known to be free of intersections; of stages whose base lies elsewhere, too.
+  Trial start = trial;
+  start.velocities = (m_state.positions - stage.base_positions) / stage.beta;
+  start.angular.setZero();
+  update_trial(stage, start);
+  const auto limit_of = [&](const Trial& to) {
+    const Points change = stage.beta * (to.velocities - start.velocities);
+    double limit = 1.0;
+    for (const EnergyTerm* term : m_terms)
+      limit = std::min(limit, term->step_limit(start, change));
+    return limit;
+  };
+  const auto is_finite = [&](const Trial& at) {
+    return std::all_of(m_terms.begin(), m_terms.end(),
+                       [&](const EnergyTerm* term) { return std::isfinite(term->energy(stage, at)); });
+  };
+  double limit = limit_of(trial);
+  // Drives are not shortened, so what is left has to be asked for again.
+  for (int pass = 0; limit < 1.0 && pass < FIRST_GUESS_PASSES; ++pass) {
+    trial.velocities = start.velocities + limit * (trial.velocities - start.velocities);
+    if (m_plan.driven.empty()) {
+      limit = 1.0;
+      break;
+    }
+    m_boundary.impose(stage, m_state.rotations, trial);
+    limit = limit_of(trial);
   }
-  Trial still = trial;
-  still.velocities.setZero();
-  still.angular.setZero();
-  update_trial(stage, still);
-  double limit = 1.0;
-  const Points change = stage.beta * trial.velocities;
-  for (const EnergyTerm* term : m_terms)
-    limit = std::min(limit, term->step_limit(still, change));
-  trial.velocities *= limit;
   update_trial(stage, trial);
-  for (const EnergyTerm* term : m_terms) {
-    if (!std::isfinite(term->energy(stage, trial)))
-      return still;
-  }
-  return trial;
+  if (limit >= 1.0 && is_finite(trial))
+    return trial;
+  Trial still = start;
+  m_boundary.impose(stage, m_state.rotations, still);
+  update_trial(stage, still);
+  if (!m_plan.driven.empty() && limit_of(still) < 1.0)
+    return std::nullopt;
+  return still;
 }
 
 /// The plan's tolerance, which is a momentum, unless that is more than a thousandth of what gravity gives the bodies in
@@ -191,12 +208,24 @@ double Simulation::tolerance(double dt) const {
   return std::min(m_plan.settings.newton_tolerance, std::sqrt(squares) * speed);
 }
 
-NewtonReport Simulation::attempt(const Stage& stage, Trial& trial) {
+/// Turns the stored rotations of nodes and quadrature points.
+void Simulation::turn_ahead(const Points& increments) {
+  Trial turn;
+  turn.increments = increments;
+  for (const std::unique_ptr<BodyElements>& elements : m_scene.elements)
+    elements->advance_rotations(turn);
+  for (Eigen::Index node = 0; node < increments.rows(); ++node)
+    m_state.rotations.row(node) = turned(m_state.rotations.row(node), increments.row(node));
+  place_midpoint_rotations(m_scene.model, m_state.rotations);
+}
+
+NewtonReport Simulation::solve(const PlannedStage& planned, Trial& trial) {
+  const Stage& stage = planned.stage;
   const NewtonSettings settings{tolerance(stage.dt), m_plan.settings.max_newton_iterations,
                                 m_plan.settings.linear_tolerance};
   const NewtonProblem problem{m_scene.model,
                               m_terms,
-                              m_held,
+                              m_boundary.held(),
                               *m_matrix,
                               *m_linear.method,
                               m_threads,
@@ -205,15 +234,55 @@ NewtonReport Simulation::attempt(const Stage& stage, Trial& trial) {
                                 return m_node_rotations;
                               }};
   Trial start;
+  start.velocities = planned.guess_velocities;
+  start.angular = planned.guess_angular;
+  update_trial(stage, start);
   start.positions = m_state.positions;
   for (EnergyTerm* term : m_terms)
+    term->begin_step(stage, m_state.positions);
+  for (EnergyTerm* term : m_terms)
     term->begin_solve(stage, start);
-  trial = first_guess(stage);
+  std::optional<Trial> guess = first_guess(planned);
+  if (!guess) {
+    NewtonReport blocked;
+    blocked.trouble = "a drive leads through an obstacle";
+    return blocked;
+  }
+  trial = std::move(*guess);
   NewtonReport total = minimise(problem, settings, stage, trial);
   for (int pass = 1; m_friction && total.converged && pass < FRICTION_PASSES; ++pass) {
     for (EnergyTerm* term : m_terms)
       term->begin_solve(stage, trial);
     total = sum_of(total, minimise(problem, settings, stage, trial));
+  }
+  return total;
+}
+
+/// One step, stage by stage; the state changes only if it converges.
+NewtonReport Simulation::attempt(double dt, double end) {
+  const RotationHistory before =
+      m_integrator.predicts() ? RotationHistory(m_state.rotations, m_scene.elements) : RotationHistory();
+  NewtonReport total;
+  Trial trial;
+  for (int index = 0; index < m_integrator.stage_count(); ++index) {
+    PlannedStage planned = m_integrator.plan(index, dt, end, m_state, trial);
+    planned.stage.exponential = m_plan.settings.rotation_update == RotationUpdate::exponential;
+    hold_nodes(planned.stage.time);
+    if (index > 0)
+      before.restore(m_state.rotations, m_scene.elements);
+    if (planned.predictor.rows() > 0)
+      turn_ahead(planned.predictor);
+    total = sum_of(total, solve(planned, trial));
+    if (!total.converged) {
+      before.restore(m_state.rotations, m_scene.elements);
+      return total;
+    }
+    if (index + 1 < m_integrator.stage_count())
+      continue;
+    m_integrator.remember(dt, m_state, planned, trial);
+    if (m_plan.outputs.reactions)
+      m_reactions = measure_reactions(m_scene.model, m_terms, m_boundary, planned.stage, trial);
+    accept(planned.stage, trial);
   }
   return total;
 }
@@ -225,20 +294,21 @@ Result<StepStats> Simulation::step(double end) {
     return make_error(ErrorCode::usage, "cannot step from {} s to {} s", m_state.time, end);
   NewtonReport total;
   for (;;) {
-    const StepControl::Step next = m_control.next(m_state.time, end);
-    const double target = next.lands ? end : m_state.time + next.dt;
-    hold_nodes(target);
-    const Stage stage = backward_euler(next.dt, target);
-    Trial trial;
-    const NewtonReport report = attempt(stage, trial);
+    // Steps end where a hold ends or a motion has a corner, and are short where a drive turns fast.
+    const double event = m_boundary.next_event(m_state.time, end);
+    const double longest = m_boundary.limit_step(m_state.time, m_control.current());
+    const StepControl::Step next = m_control.next(m_state.time, event, longest);
+    const NewtonReport report = attempt(next.dt, next.lands ? event : m_state.time + next.dt);
     total = sum_of(total, report);
     if (report.converged) {
-      accept(stage, trial);
       m_control.succeeded();
       stats.dt = next.dt;
       break;
     }
     ++stats.cuts;
+    // A barrier that is too soft for the momentum that meets it makes Newton crawl.
+    if (m_contact_system && !m_plan.settings.contact_stiffness)
+      m_contact_system->stiffen_limiting(STIFFEN_BY);
     if (!m_control.failed(next.dt))
       return give_up(next.dt, report);
   }
@@ -254,6 +324,14 @@ Result<StepStats> Simulation::step(double end) {
   const PlaneGaps gaps = measure_plane_gaps(m_scene.model, m_contact, m_state.positions, -1);
   stats.contacts = gaps.active;
   stats.least_distance = gaps.least;
+  if (m_contact_system) {
+    const ContactSystem::Gaps pairs = m_contact_system->measure(m_state.positions);
+    stats.contacts += pairs.active;
+    stats.least_distance = std::min(stats.least_distance, pairs.least);
+    const ContactSystem::Cost cost = m_contact_system->take_cost();
+    stats.contact_search_ms = cost.search_ms;
+    stats.safe_step_ms = cost.safe_step_ms;
+  }
   stiffen_crowded_contacts();
   report_energies(trial_at_rest_in_state(), stats);
   stats.total_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -261,18 +339,26 @@ Result<StepStats> Simulation::step(double end) {
 }
 
 void Simulation::accept(const Stage& stage, const Trial& trial) {
-  for (const std::unique_ptr<ElementTerm>& elements : m_scene.elements)
-    elements->advance_rotations(trial);
-  for (Eigen::Index node = 0; node < trial.increments.rows(); ++node)
-    m_state.rotations.row(node) = turned(m_state.rotations.row(node), trial.increments.row(node));
+  turn_ahead(trial.increments);
   m_state.positions = trial.positions;
   m_state.velocities = trial.velocities;
   m_state.angular = trial.angular;
   m_state.time = stage.time;
+  const FemSettings& settings = m_plan.settings;
+  if (settings.reset_every == 0 || settings.point_rotations == PointRotations::interpolated_velocity ||
+      ++m_steps_since_reset < settings.reset_every)
+    return;
+  m_steps_since_reset = 0;
+  for (const std::unique_ptr<BodyElements>& elements : m_scene.elements)
+    elements->reset_point_rotations(settings.point_rotations);
 }
 
 void Simulation::stiffen_crowded_contacts() {
-  if (m_scene.model.planes.empty() || m_plan.settings.contact_stiffness)
+  if (m_plan.settings.contact_stiffness)
+    return;
+  if (m_contact_system)
+    m_contact_system->stiffen_crowded(m_state.positions, CROWDED_SHARE, STIFFEN_BY);
+  if (m_scene.model.planes.empty())
     return;
   for (std::size_t body = 0; body < m_contact.stiffness.size(); ++body) {
     const PlaneGaps gaps = measure_plane_gaps(m_scene.model, m_contact, m_state.positions, static_cast<int>(body));
@@ -298,10 +384,9 @@ void Simulation::report_energies(const Trial& trial, StepStats& stats) {
       stats.kinetic_energy += 0.5 * model.rotary_mass[node] * m_state.angular.row(node).squaredNorm();
     stats.gravity_energy -= model.mass[node] * m_state.positions.row(node).dot(model.gravity);
   }
-  for (const std::unique_ptr<ElementTerm>& elements : m_scene.elements) {
+  for (const std::unique_ptr<BodyElements>& elements : m_scene.elements) {
     const double total = elements->energy({}, trial);
-    const bool curved = elements->group().curvature != CurvatureModel::none;
-    const double elastic = curved ? elements->elastic_energy(trial) : total;
+    const double elastic = elements->has_curvature() ? elements->elastic_energy(trial) : total;
     stats.elastic_energy += elastic;
     stats.curvature_energy += total - elastic;
   }
@@ -312,9 +397,10 @@ Error Simulation::give_up(double dt, const NewtonReport& report) const {
       ErrorCode::solver,
       "solids: no step from t = {:.6g} s: {} at dt = {:.3g} s (floor {:.3g} s): residual {:.3g} N s after {} "
       "iterations, tolerance {:.3g}, round-off about {:.3g}; the last good state is kept. Try a smaller "
-      "fem.max_time_step, more fem.max_newton_iterations, a larger fem.newton_tolerance, or softer loads",
+      "fem.max_time_step, more fem.max_newton_iterations, a larger fem.newton_tolerance, or softer loads{}",
       m_state.time, report.trouble, dt, m_plan.settings.min_time_step, report.residual, report.iterations,
-      m_plan.settings.newton_tolerance, report.round_off_floor);
+      m_plan.settings.newton_tolerance, report.round_off_floor,
+      m_contact_system && !m_contact_system->describe_limit().empty() ? "; " + m_contact_system->describe_limit() : "");
 }
 
 SceneStatic Simulation::scene_static() const {
@@ -324,16 +410,32 @@ SceneStatic Simulation::scene_static() const {
 Frame Simulation::snapshot(int number) const {
   const Trial trial = trial_at_rest_in_state();
   std::vector<std::vector<double>> energies;
-  for (const std::unique_ptr<ElementTerm>& elements : m_scene.elements)
+  for (const std::unique_ptr<BodyElements>& elements : m_scene.elements)
     energies.push_back(elements->element_energies(trial));
-  return take_snapshot(m_scene, m_state, energies, number);
+  Frame frame = take_snapshot(m_plan, m_scene, m_state, energies, number);
+  if (m_plan.outputs.curvature_energy) {
+    for (std::size_t body = 0; body < energies.size(); ++body) {
+      const std::vector<double> elastic = m_scene.elements[body]->elastic_energies(trial);
+      for (std::size_t element = 0; element < elastic.size(); ++element)
+        energies[body][element] -= elastic[element];
+      add_energy_density("curvature_energy_density", m_scene, body, energies[body], frame);
+    }
+  }
+  if (m_plan.outputs.reactions)
+    add_reactions(m_scene, m_reactions.forces, m_reactions.torques, frame);
+  return frame;
 }
 
 StateArchive Simulation::archive() const {
   StateArchive archive = archive_state(m_scene, m_state);
   archive.push_back({"fem/step_control", {2}, {m_control.current(), static_cast<double>(m_control.successes())}});
+  archive.push_back({"fem/steps_since_reset", {1}, {static_cast<double>(m_steps_since_reset)}});
   archive.push_back({"fem/contact_stiffness", {m_contact.stiffness.size()}, m_contact.stiffness});
+  if (m_contact_system)
+    archive.push_back(
+        {"fem/pair_stiffness", {m_contact_system->stiffnesses().size()}, m_contact_system->stiffnesses()});
   m_linear.method->save(archive);
+  m_integrator.save(archive);
   return archive;
 }
 
@@ -343,23 +445,37 @@ Status Simulation::restore(const StateArchive& archive) {
     return status;
   const NamedArray* control = find_array(archive, "fem/step_control", 2);
   const NamedArray* stiffness = find_array(archive, "fem/contact_stiffness", m_contact.stiffness.size());
-  if (control == nullptr || stiffness == nullptr)
-    return make_error(ErrorCode::io, "checkpoint: fem/step_control or fem/contact_stiffness is missing");
+  const NamedArray* reset = find_array(archive, "fem/steps_since_reset", 1);
+  if (control == nullptr || stiffness == nullptr || reset == nullptr)
+    return make_error(ErrorCode::io, "checkpoint: fem/step_control, fem/contact_stiffness or fem/steps_since_reset is "
+                                     "missing");
   if (Status status = m_linear.method->restore(archive); !status)
+    return status;
+  if (Status status = m_integrator.restore(archive, state); !status)
     return status;
   m_state = std::move(state);
   m_control.restore(control->values[0], static_cast<int>(control->values[1]));
   m_contact.stiffness = stiffness->values;
+  if (m_contact_system) {
+    const NamedArray* pairs = find_array(archive, "fem/pair_stiffness", m_contact_system->stiffnesses().size());
+    if (pairs == nullptr)
+      return make_error(ErrorCode::io, "checkpoint: fem/pair_stiffness is missing");
+    m_contact_system->stiffnesses() = pairs->values;
+    m_contact_system->place_obstacles(m_state.time);
+  }
+  m_steps_since_reset = static_cast<int>(reset->values[0]);
   hold_nodes(m_state.time);
-  for (const std::unique_ptr<ElementTerm>& elements : m_scene.elements)
+  for (const std::unique_ptr<BodyElements>& elements : m_scene.elements)
     elements->update_rest_curvature(m_state.time);
   return {};
 }
 
 std::size_t Simulation::memory_bytes() const {
   std::size_t bytes = m_matrix->memory_bytes() + m_linear.method->memory_bytes();
-  for (const std::unique_ptr<ElementTerm>& elements : m_scene.elements)
+  for (const std::unique_ptr<BodyElements>& elements : m_scene.elements)
     bytes += elements->memory_bytes();
+  if (m_contact_system)
+    bytes += m_contact_system->memory_bytes();
   return bytes + static_cast<std::size_t>(m_scene.model.layout.node_count()) * 60 * sizeof(double);
 }
 

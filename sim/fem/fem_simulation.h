@@ -27,6 +27,8 @@ struct StepStats {
   double residual = 0.0;       ///< final gradient norm [N s]
   double kinetic_energy = 0.0, elastic_energy = 0.0, curvature_energy = 0.0, gravity_energy = 0.0; ///< [J]
   double evaluate_ms = 0.0, assemble_ms = 0.0, solve_ms = 0.0, total_ms = 0.0;                     ///< wall time
+  double contact_search_ms = 0.0; ///< of evaluate_ms and the line search: who is near whom
+  double safe_step_ms = 0.0;      ///< continuous collision detection
 };
 
 /// The linear solver that will run and why, for `wry plan`.

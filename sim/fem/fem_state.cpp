@@ -1,7 +1,9 @@
 #include "sim/fem/fem_state.h"
 
 #include <algorithm>
+#include <array>
 
+#include "sim/base/rotation.h"
 #include "sim/geometry/tet_mesh.h"
 
 namespace wry::fem {
@@ -37,6 +39,22 @@ Channel vertex_channel(const char* name, int components, ChannelStorage storage,
 
 } // namespace
 
+RotationHistory::RotationHistory(const Quaternions& rotations,
+                                 const std::vector<std::unique_ptr<BodyElements>>& elements)
+    : m_rotations(rotations) {
+  for (const std::unique_ptr<BodyElements>& body : elements)
+    m_points.emplace_back(body->point_rotations().begin(), body->point_rotations().end());
+}
+
+void RotationHistory::restore(Quaternions& rotations,
+                              const std::vector<std::unique_ptr<BodyElements>>& elements) const {
+  if (m_points.empty())
+    return;
+  rotations = m_rotations;
+  for (std::size_t body = 0; body < elements.size(); ++body)
+    std::copy(m_points[body].begin(), m_points[body].end(), elements[body]->point_rotations().begin());
+}
+
 FemState initial_state(const FemPlan& plan, const FemScene& scene) {
   const FemModel& model = scene.model;
   FemState state;
@@ -66,7 +84,7 @@ StateArchive archive_state(const FemScene& scene, const FemState& state) {
       continue;
     archive.push_back({path(i, "angular_velocities"), {count, 3}, in_mesh_order(state.angular, body, mesh)});
     archive.push_back({path(i, "rotations"), {count, 4}, in_mesh_order(state.rotations, body, mesh)});
-    const AlignedVector<double>& points = scene.elements[i]->group().point_rotations;
+    const std::span<const double> points = scene.elements[i]->point_rotations();
     archive.push_back({path(i, "point_rotations"), {points.size()}, std::vector<double>(points.begin(), points.end())});
   }
   return archive;
@@ -104,14 +122,14 @@ Status restore_state(const StateArchive& archive, FemScene& scene, FemState& sta
       from_mesh_order(array->values, body, mesh, state.angular);
     if (const NamedArray* array = need(path(i, "rotations"), 4 * count))
       from_mesh_order(array->values, body, mesh, state.rotations);
-    points[i] = need(path(i, "point_rotations"), scene.elements[i]->group().point_rotations.size());
+    points[i] = need(path(i, "point_rotations"), scene.elements[i]->point_rotations().size());
   }
   if (!missing.empty())
     return make_error(ErrorCode::io, "checkpoint: {} is missing; it was written for another shot", missing);
   state.time = time->values[0];
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (points[i] != nullptr)
-      std::copy(points[i]->values.begin(), points[i]->values.end(), scene.elements[i]->group().point_rotations.begin());
+      std::copy(points[i]->values.begin(), points[i]->values.end(), scene.elements[i]->point_rotations().begin());
   }
   return {};
 }
@@ -123,14 +141,74 @@ SceneStatic describe_bodies(const FemPlan& plan) {
     out.name = body.name;
     out.rest_positions = body.mesh->vertices;
     out.tets = body.mesh->tets;
-    out.triangles = geometry::boundary_triangles(*body.mesh);
+    out.triangles = surface_triangles(body);
     scene.bodies.push_back(std::move(out));
   }
   return scene;
 }
 
-Frame take_snapshot(const FemScene& scene, const FemState& state, const std::vector<std::vector<double>>& energies,
-                    int number) {
+namespace {
+
+/// Microrotations of a body in the order of the mesh, with the directors' own rotation at rest.
+std::vector<double> directors(const FemBody& body, std::vector<double> rotations) {
+  for (std::size_t vertex = 0; vertex < body.vertex_rest_rotations.size(); ++vertex) {
+    Eigen::Map<Vec4> q(rotations.data() + 4 * vertex);
+    q = quaternion_product(q, body.vertex_rest_rotations[vertex]);
+  }
+  return rotations;
+}
+
+/// 4 x 4 per tet, in the order of the mesh: point k lies near corner k of the tet.
+Channel point_rotation_channel(const ElementGroup& group, const geometry::TetMesh& original, const OrderedMesh& mesh) {
+  Channel channel{"point_rotation", ChannelOn::tet, 16, ChannelStorage::float64, {}};
+  channel.values.resize(static_cast<std::size_t>(group.element_count) * 16);
+  for (int element = 0; element < group.element_count; ++element) {
+    const int tet = mesh.tet_of_element[element];
+    std::array<std::int32_t, 4> corners{};
+    for (int k = 0; k < 4; ++k)
+      corners[k] = mesh.node_of_vertex[original.tets(tet, k)];
+    for (int k = 0; k < 4; ++k) {
+      // Points of an element stand in the order of its nodes, which ascend.
+      const auto point = std::count_if(corners.begin(), corners.end(), [&](int other) { return other < corners[k]; });
+      for (int i = 0; i < 4; ++i)
+        channel.values[static_cast<std::size_t>(tet) * 16 + 4 * k + i] =
+            group.point_rotations[(static_cast<std::size_t>(element / LANES) * 16 + 4 * point + i) * LANES +
+                                  element % LANES];
+    }
+  }
+  return channel;
+}
+
+} // namespace
+
+void add_energy_density(const char* name, const FemScene& scene, std::size_t body, const std::vector<double>& energies,
+                        Frame& frame) {
+  if (scene.model.bodies[body].plate) // has no tets
+    return;
+  Channel density{name, ChannelOn::tet, 1, ChannelStorage::float32, {}};
+  density.values.resize(energies.size());
+  for (std::size_t element = 0; element < energies.size(); ++element)
+    density.values[scene.meshes[body].tet_of_element[element]] =
+        energies[element] / scene.elements[body]->element_volume(static_cast<int>(element));
+  frame.bodies[body].channels.push_back(std::move(density));
+}
+
+void add_reactions(const FemScene& scene, const Points& forces, const Points& torques, Frame& frame) {
+  const int count = scene.model.layout.node_count();
+  for (std::size_t i = 0; i < scene.model.bodies.size(); ++i) {
+    const BodyNodes& body = scene.model.bodies[i];
+    const OrderedMesh& mesh = scene.meshes[i];
+    const Points none = Points::Zero(count, 3);
+    std::vector<Channel>& channels = frame.bodies[i].channels;
+    channels.push_back(vertex_channel("reaction_force", 3, ChannelStorage::float64,
+                                      in_mesh_order(forces.rows() > 0 ? forces : none, body, mesh)));
+    channels.push_back(vertex_channel("reaction_torque", 3, ChannelStorage::float64,
+                                      in_mesh_order(torques.rows() > 0 ? torques : none, body, mesh)));
+  }
+}
+
+Frame take_snapshot(const FemPlan& plan, const FemScene& scene, const FemState& state,
+                    const std::vector<std::vector<double>>& energies, int number) {
   Frame frame;
   frame.number = number;
   frame.time = state.time;
@@ -144,17 +222,16 @@ Frame take_snapshot(const FemScene& scene, const FemState& state, const std::vec
     out.channels.push_back(
         vertex_channel("velocity", 3, ChannelStorage::float32, in_mesh_order(state.velocities, body, mesh)));
     if (body.micropolar) {
-      out.channels.push_back(
-          vertex_channel("microrotation", 4, ChannelStorage::float32, in_mesh_order(state.rotations, body, mesh)));
+      out.channels.push_back(vertex_channel(
+          "microrotation", 4, plan.outputs.point_rotations ? ChannelStorage::float64 : ChannelStorage::float32,
+          directors(plan.bodies[i], in_mesh_order(state.rotations, body, mesh))));
+      if (const ElementGroup* group = scene.elements[i]->tet_group(); group != nullptr && plan.outputs.point_rotations)
+        out.channels.push_back(point_rotation_channel(*group, *plan.bodies[i].mesh, mesh));
       out.channels.push_back(
           vertex_channel("angular_velocity", 3, ChannelStorage::float32, in_mesh_order(state.angular, body, mesh)));
     }
-    Channel density{"strain_energy_density", ChannelOn::tet, 1, ChannelStorage::float32, {}};
-    density.values.resize(energies[i].size());
-    for (std::size_t element = 0; element < energies[i].size(); ++element)
-      density.values[mesh.tet_of_element[element]] = energies[i][element] / scene.elements[i]->group().volume[element];
-    out.channels.push_back(std::move(density));
     frame.bodies.push_back(std::move(out));
+    add_energy_density("strain_energy_density", scene, i, energies[i], frame);
   }
   return frame;
 }

@@ -19,6 +19,19 @@ struct FemState {
   Quaternions rotations; ///< nodal microrotations; empty without
 };
 
+/// A copy of all stored rotations, to come back to.
+class RotationHistory {
+public:
+  RotationHistory() = default;
+  RotationHistory(const Quaternions& rotations, const std::vector<std::unique_ptr<BodyElements>>& elements);
+  /// Does nothing when made empty.
+  void restore(Quaternions& rotations, const std::vector<std::unique_ptr<BodyElements>>& elements) const;
+
+private:
+  Quaternions m_rotations;
+  std::vector<AlignedVector<double>> m_points; ///< per body
+};
+
 /// The state at the start of the plan.
 FemState initial_state(const FemPlan& plan, const FemScene& scene);
 
@@ -34,7 +47,14 @@ const NamedArray* find_array(const StateArchive& archive, std::string_view name,
 SceneStatic describe_bodies(const FemPlan& plan);
 
 /// The channels of one frame; `energies` per body and element [J].
-Frame take_snapshot(const FemScene& scene, const FemState& state, const std::vector<std::vector<double>>& energies,
-                    int number);
+Frame take_snapshot(const FemPlan& plan, const FemScene& scene, const FemState& state,
+                    const std::vector<std::vector<double>>& energies, int number);
+
+/// A channel of energies per element [J], as density [J/m^3].
+void add_energy_density(const char* name, const FemScene& scene, std::size_t body, const std::vector<double>& energies,
+                        Frame& frame);
+
+/// Channels "reaction_force" and "reaction_torque" per vertex, zero when there was no step yet.
+void add_reactions(const FemScene& scene, const Points& forces, const Points& torques, Frame& frame);
 
 } // namespace wry::fem

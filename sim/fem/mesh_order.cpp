@@ -1,7 +1,6 @@
 #include "sim/fem/mesh_order.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 namespace wry::fem {
@@ -10,13 +9,14 @@ namespace {
 
 using Graph = std::vector<std::vector<std::int32_t>>;
 
-Graph vertex_graph(const geometry::TetMesh& mesh) {
-  Graph graph(mesh.vertices.rows());
-  for (Eigen::Index tet = 0; tet < mesh.tets.rows(); ++tet) {
-    for (int k = 0; k < 4; ++k) {
-      for (int l = 0; l < 4; ++l) {
+/// `elements`: `per_element` vertices each.
+Graph vertex_graph(Eigen::Index vertices, int per_element, const std::vector<std::int32_t>& elements) {
+  Graph graph(static_cast<std::size_t>(vertices));
+  for (auto first = elements.begin(); first != elements.end(); first += per_element) {
+    for (int k = 0; k < per_element; ++k) {
+      for (int l = 0; l < per_element; ++l) {
         if (k != l)
-          graph[mesh.tets(tet, k)].push_back(mesh.tets(tet, l));
+          graph[first[k]].push_back(first[l]);
       }
     }
   }
@@ -76,30 +76,37 @@ std::vector<std::int32_t> reverse_cuthill_mckee(const Graph& graph) {
 
 } // namespace
 
-OrderedMesh order_for_locality(const geometry::TetMesh& mesh) {
+OrderedMesh order_for_locality(const Points& vertices, int per_element, std::vector<std::int32_t>& elements) {
   OrderedMesh ordered;
-  ordered.vertex_of_node = reverse_cuthill_mckee(vertex_graph(mesh));
+  ordered.vertex_of_node = reverse_cuthill_mckee(vertex_graph(vertices.rows(), per_element, elements));
   ordered.node_of_vertex.resize(ordered.vertex_of_node.size());
-  ordered.mesh.vertices.resize(mesh.vertices.rows(), 3);
+  ordered.mesh.vertices.resize(vertices.rows(), 3);
   for (std::size_t node = 0; node < ordered.vertex_of_node.size(); ++node) {
     ordered.node_of_vertex[ordered.vertex_of_node[node]] = static_cast<std::int32_t>(node);
-    ordered.mesh.vertices.row(static_cast<Eigen::Index>(node)) = mesh.vertices.row(ordered.vertex_of_node[node]);
+    ordered.mesh.vertices.row(static_cast<Eigen::Index>(node)) = vertices.row(ordered.vertex_of_node[node]);
   }
-  std::vector<std::array<std::int32_t, 4>> keys(mesh.tets.rows());
-  for (Eigen::Index tet = 0; tet < mesh.tets.rows(); ++tet) {
-    for (int k = 0; k < 4; ++k)
-      keys[tet][k] = ordered.node_of_vertex[mesh.tets(tet, k)];
-    std::sort(keys[tet].begin(), keys[tet].end());
+  const std::size_t count = elements.size() / static_cast<std::size_t>(per_element);
+  std::vector<std::vector<std::int32_t>> keys(count), renumbered(count);
+  for (std::size_t element = 0; element < count; ++element) {
+    for (int k = 0; k < per_element; ++k)
+      keys[element].push_back(ordered.node_of_vertex[elements[element * per_element + k]]);
+    renumbered[element] = keys[element];
+    std::sort(keys[element].begin(), keys[element].end());
   }
-  ordered.tet_of_element.resize(mesh.tets.rows());
+  ordered.tet_of_element.resize(count);
   std::iota(ordered.tet_of_element.begin(), ordered.tet_of_element.end(), 0);
   std::stable_sort(ordered.tet_of_element.begin(), ordered.tet_of_element.end(),
                    [&](std::int32_t a, std::int32_t b) { return keys[a] < keys[b]; });
-  ordered.mesh.tets.resize(mesh.tets.rows(), 4);
-  for (Eigen::Index element = 0; element < mesh.tets.rows(); ++element) {
-    for (int k = 0; k < 4; ++k)
-      ordered.mesh.tets(element, k) = ordered.node_of_vertex[mesh.tets(ordered.tet_of_element[element], k)];
-  }
+  for (std::size_t element = 0; element < count; ++element)
+    std::copy_n(renumbered[ordered.tet_of_element[element]].begin(), per_element,
+                elements.begin() + static_cast<std::ptrdiff_t>(element * per_element));
+  return ordered;
+}
+
+OrderedMesh order_for_locality(const geometry::TetMesh& mesh) {
+  std::vector<std::int32_t> elements(mesh.tets.data(), mesh.tets.data() + mesh.tets.size());
+  OrderedMesh ordered = order_for_locality(mesh.vertices, 4, elements);
+  ordered.mesh.tets = Eigen::Map<const Tets>(elements.data(), mesh.tets.rows(), 4);
   return ordered;
 }
 

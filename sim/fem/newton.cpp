@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/fem/rotation_update.h"
+
 namespace wry::fem {
 
 namespace {
@@ -39,6 +41,7 @@ struct Evaluation {
   double magnitude = 0.0; ///< sum of |terms|, the scale of round-off
   double residual = 0.0;  ///< |gradient| over free unknowns
   std::vector<double> gradient;
+  std::vector<double> gradient_by_increments; ///< of the exponential update, before its chain; else empty
 };
 
 class Minimiser {
@@ -54,9 +57,15 @@ public:
     evaluate(m_trial, m_now);
     if (!std::isfinite(m_now.energy) || !std::isfinite(m_now.residual))
       return give_up("the energy is not finite at the start of the step");
-    while (!converged()) {
+    for (;;) {
+      const bool arrived = advance_prescribed();
+      if (!std::isfinite(m_now.energy) || !std::isfinite(m_now.residual))
+        return give_up("the energy is not finite where obstacles went");
+      if (arrived && converged())
+        break;
       if (m_report.iterations >= m_settings.max_iterations)
-        return give_up("the Newton iteration limit was reached");
+        return give_up(arrived ? "the Newton iteration limit was reached"
+                               : "obstacles could not reach the end of their way in the Newton iteration limit");
       if (!find_direction())
         return give_up("no descent direction was found");
       ++m_report.iterations;
@@ -79,6 +88,19 @@ private:
     return m_report;
   }
 
+  /// True when everything prescribed is where it has to be at the end of the step.
+  bool advance_prescribed() {
+    if (m_left == 0.0)
+      return true;
+    double left = 0.0;
+    for (EnergyTerm* term : m_problem.terms)
+      left = std::max(left, term->advance_prescribed(m_trial));
+    if (left != m_left)
+      evaluate(m_trial, m_now);
+    m_left = left;
+    return left == 0.0;
+  }
+
   bool at_floor() const { return m_now.residual <= FLOOR_MARGIN * m_report.round_off_floor; }
 
   bool converged() {
@@ -92,11 +114,12 @@ private:
     const Stopwatch watch(m_report.evaluate_ms);
     out.energy = out.magnitude = 0.0;
     out.gradient.assign(m_problem.model.layout.dof_count(), 0.0);
-    for (const EnergyTerm* term : m_problem.terms) {
-      const double energy = term->add_gradient(m_stage, trial, out.gradient);
-      out.energy += energy;
-      out.magnitude += std::abs(energy);
+    add_terms(trial, true, out);
+    if (m_stage.exponential) {
+      out.gradient_by_increments = out.gradient;
+      chain_gradient(m_problem.model.layout, m_stage, trial, out.gradient);
     }
+    add_terms(trial, false, out);
     double sum = 0.0;
     for (std::size_t i = 0; i < out.gradient.size(); ++i) {
       if (m_problem.held[i])
@@ -106,12 +129,30 @@ private:
     out.residual = std::sqrt(sum);
   }
 
+  /// The terms that act on increments come first: what they give is by Cayley increments.
+  void add_terms(const Trial& trial, bool on_increments, Evaluation& out) {
+    for (const EnergyTerm* term : m_problem.terms) {
+      if (term->acts_on_increments() != on_increments)
+        continue;
+      const double energy = term->add_gradient(m_stage, trial, out.gradient);
+      out.energy += energy;
+      out.magnitude += std::abs(energy);
+    }
+  }
+
   void assemble(Projection projection) {
     const Stopwatch watch(m_report.assemble_ms);
     m_problem.matrix.set_zero(m_problem.threads);
     int projected = 0;
-    for (const EnergyTerm* term : m_problem.terms)
-      projected += term->add_hessian(m_stage, m_trial, projection, m_problem.matrix);
+    for (const bool on_increments : {true, false}) {
+      for (const EnergyTerm* term : m_problem.terms) {
+        if (term->acts_on_increments() == on_increments)
+          projected += term->add_hessian(m_stage, m_trial, projection, m_problem.matrix);
+      }
+      if (on_increments && m_stage.exponential)
+        chain_hessian(m_stage, m_trial, m_now.gradient_by_increments, m_problem.matrix);
+    }
+    m_problem.matrix.finish_pairs();
     m_report.projected_elements += projected;
     m_report.round_off_floor = estimate_floor();
     m_problem.matrix.hold(m_problem.held, m_problem.threads);
@@ -178,14 +219,14 @@ private:
     if (m_report.iterations == 0)
       m_first_residual = m_now.residual;
     m_right_side.resize(m_now.gradient.size());
-    Projection projection = m_keep_projecting ? Projection::indefinite_elements : Projection::none;
+    Projection projection = m_keep_projecting ? Projection::indefinite_elements : Projection::contacts;
     for (double shift = 0.0; shift < 1.0; shift = std::max(1e-6, 100.0 * shift)) {
       assemble(projection);
       if (shift > 0.0)
         add_shift(shift);
       if (solve())
         return true;
-      if (projection == Projection::none) {
+      if (projection == Projection::contacts) {
         projection = Projection::indefinite_elements;
         m_keep_projecting = true;
         assemble(projection);
@@ -278,6 +319,7 @@ private:
   double m_first_residual = 0.0;
   double m_previous_residual = 0.0;
   bool m_keep_projecting = false;
+  double m_left = 1.0; ///< of the way of what is prescribed
   NewtonReport m_report;
 };
 
@@ -300,6 +342,11 @@ void update_trial(const Stage& stage, Trial& trial) {
   if (trial.angular.rows() == 0)
     return;
   trial.increments = stage.beta * trial.angular;
+  if (stage.exponential) {
+    for (Eigen::Index node = 0; node < trial.increments.rows(); ++node)
+      trial.increments.row(node) = cayley_of_rotation_vector(trial.increments.row(node)).transpose();
+    return;
+  }
   if (stage.base_increments.rows() > 0)
     trial.increments += stage.base_increments;
 }

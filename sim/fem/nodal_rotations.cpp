@@ -19,27 +19,6 @@ Mat3 nearest_rotation(const Mat3& deformation) {
   return u * svd.matrixV().transpose();
 }
 
-/// Adds volume x F of each element to its nodes.
-void add_deformations(const ElementGroup& group, const Points& positions, std::vector<Mat3>& sums) {
-  for (int element = 0; element < group.element_count; ++element) {
-    const std::size_t batch = element / LANES;
-    const int lane = element % LANES;
-    std::int32_t nodes[4];
-    for (std::size_t k = 0; k < 4; ++k)
-      nodes[k] = group.nodes[(batch * 4 + k) * LANES + lane];
-    Mat3 edges;
-    Mat3 gradients;
-    for (int k = 0; k < 3; ++k) {
-      edges.col(k) = positions.row(nodes[k + 1]) - positions.row(nodes[0]);
-      for (int j = 0; j < 3; ++j)
-        gradients(k, j) = group.shape_gradients[(batch * 9 + 3 * k + j) * LANES + lane];
-    }
-    const Mat3 weighted = group.volume[batch * LANES + lane] * (edges * gradients);
-    for (const std::int32_t node : nodes)
-      sums[node] += weighted;
-  }
-}
-
 } // namespace
 
 Mat3 rotation_matrix(const Eigen::Ref<const Eigen::RowVector4d>& q) {
@@ -62,10 +41,17 @@ void estimate_node_rotations(const FemScene& scene, const Quaternions& rotations
   for (std::size_t body = 0; body < scene.model.bodies.size(); ++body) {
     const BodyNodes& nodes = scene.model.bodies[body];
     if (!nodes.micropolar)
-      add_deformations(scene.elements[body]->group(), trial.positions, out);
+      scene.elements[body]->add_deformations(trial.positions, out);
     for (int node = nodes.first_node; node < nodes.first_node + nodes.node_count; ++node)
       out[node] = nodes.micropolar ? rotation_matrix(turned(rotations.row(node), trial.increments.row(node)))
                                    : nearest_rotation(out[node]);
+  }
+}
+
+void place_midpoint_rotations(const FemModel& model, Quaternions& rotations) {
+  for (const BodyNodes& body : model.bodies) {
+    for (const BodyNodes::Midpoint& middle : body.midpoints)
+      rotations.row(middle.node) = (rotations.row(middle.ends[0]) + rotations.row(middle.ends[1])).normalized();
   }
 }
 

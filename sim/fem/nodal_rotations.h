@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "sim/fem/element_term.h"
 #include "sim/fem/fem_scene.h"
 
 namespace wry::fem {
@@ -18,5 +17,8 @@ Eigen::RowVector4d turned(const Eigen::Ref<const Eigen::RowVector4d>& quaternion
 /// deformation around the node.
 void estimate_node_rotations(const FemScene& scene, const Quaternions& rotations, const Trial& trial,
                              std::vector<Mat3>& out);
+
+/// Gives the midpoints of quadratic elements the mean rotation of their edge's ends.
+void place_midpoint_rotations(const FemModel& model, Quaternions& rotations);
 
 } // namespace wry::fem

@@ -11,9 +11,9 @@ constexpr int SUCCESSES_TO_GROW = 4;
 
 } // namespace
 
-StepControl::Step StepControl::next(double time, double end) const {
+StepControl::Step StepControl::next(double time, double end, double longest) const {
   const double remaining = end - time;
-  const double count = std::max(1.0, std::ceil(remaining / m_current - 1e-6));
+  const double count = std::max(1.0, std::ceil(remaining / std::min(m_current, longest) - 1e-6));
   return {remaining / count, count == 1.0};
 }
 

@@ -15,8 +15,8 @@ public:
     double dt = 0.0;
     bool lands = false; ///< the step ends at `end`: set the time to it exactly
   };
-  /// The next step from `time` towards `end`.
-  Step next(double time, double end) const;
+  /// The next step from `time` towards `end`, at most `longest`.
+  Step next(double time, double end, double longest) const;
 
   void succeeded();
   /// False when the floor is reached: nothing shorter may be tried. `dt` is the step that failed.

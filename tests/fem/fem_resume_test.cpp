@@ -21,9 +21,9 @@ FemPlan sagging_beam(ElasticModel model, LinearSolver solver) {
     material.curvature = CurvatureModel::isotropic;
     material.length_scale = 0.02;
     material.rotary_inertia = 0.01;
-    plan.bodies[0].rest_curvature = [](const Vec3& place, double time) {
+    plan.bodies[0].rest_curvature = [](const RestPlace& place, double time) {
       Mat3 curvature = Mat3::Zero();
-      curvature(2, 0) = time * place[0];
+      curvature(2, 0) = time * place.position[0];
       return curvature;
     };
   }

@@ -205,7 +205,7 @@ TEST(KernelVectors, EnergyGradientAndHessianAreThoseOfTheReference) {
               tets, sets, tally.hessians / sets);
   std::printf("worst relative error: energy %.2g, gradient %.2g, Hessian %.2g\n", tally.energy.error,
               tally.gradient.error, tally.hessian.error);
-  std::printf("not covered here: %d plate vectors (another issue)\n", plates);
+  std::printf("not covered here: %d plate vectors (mixed_kernel_test.cpp has them)\n", plates);
   for (const auto& [model, count] : uncovered)
     std::printf("not covered: %d vectors of model %s\n", count, model.c_str());
   EXPECT_GE(tets, 36) << "the vectors of tests/data/vectors are missing";

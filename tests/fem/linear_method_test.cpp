@@ -47,6 +47,21 @@ struct System {
       right_side.push_back(std::cos(0.3 * static_cast<double>(i)));
   }
 
+  /// Contacts: within a section, across sections, inside the pattern, twice the same, and the wrong way round.
+  void add_pairs() {
+    constexpr int PLACES[][2] = {{3, 650}, {10, NODES + 20}, {NODES + 10, NODES + 600},
+                                 {2, 3},   {3, 650},         {NODES + 9, 8}};
+    double wave = 0.3;
+    for (const auto& [row, column] : PLACES) {
+      double block[9];
+      for (double& value : block)
+        value = std::sin(wave += 0.7);
+      matrix->add_velocity_pair(row, column, block);
+    }
+    matrix->finish_pairs();
+    matrix->update_single(Threads(1));
+  }
+
   std::vector<double> times(const std::vector<double>& x, int threads = 1) const {
     AlignedVector<double> in;
     AlignedVector<double> out(layout.padded_count());
@@ -71,6 +86,14 @@ struct System {
         }
       }
     }
+    const BlockMatrix::Pairs& pairs = matrix->pairs();
+    for (std::size_t row = 0; row + 1 < pairs.row_begin.size(); ++row) {
+      for (std::int64_t k = pairs.row_begin[row]; k < pairs.row_begin[row + 1]; ++k) {
+        for (int i = 0; i < 9; ++i)
+          full(static_cast<Eigen::Index>(layout.dof(static_cast<int>(row))) + i / 3,
+               static_cast<Eigen::Index>(layout.dof(pairs.column[k])) + i % 3) = pairs.values[9 * k + i];
+      }
+    }
     return full;
   }
 };
@@ -86,13 +109,20 @@ TEST(BlockMatrix, MultipliesLikeADenseMatrixOnEveryInstructionSet) {
   for (const Isa isa : {Isa::sse4, Isa::avx2, Isa::avx512}) {
     if (isa > native_isa())
       continue;
-    const System system(isa);
-    const Eigen::VectorXd expected =
-        system.dense() * Eigen::Map<const Eigen::VectorXd>(system.right_side.data(), system.right_side.size());
-    const std::vector<double> product = system.times(system.right_side);
-    EXPECT_LT((Eigen::Map<const Eigen::VectorXd>(product.data(), product.size()) - expected).cwiseAbs().maxCoeff(),
-              1e-11);
-    EXPECT_EQ(difference(system.times(system.right_side, 3), product), 0.0);
+    System system(isa);
+    for (const bool with_pairs : {false, true}) {
+      if (with_pairs)
+        system.add_pairs();
+      EXPECT_EQ(system.matrix->has_pairs(), with_pairs);
+      const Eigen::MatrixXd dense = system.dense();
+      EXPECT_EQ((dense - dense.transpose()).norm(), 0.0);
+      const Eigen::VectorXd expected =
+          dense * Eigen::Map<const Eigen::VectorXd>(system.right_side.data(), system.right_side.size());
+      const std::vector<double> product = system.times(system.right_side);
+      EXPECT_LT((Eigen::Map<const Eigen::VectorXd>(product.data(), product.size()) - expected).cwiseAbs().maxCoeff(),
+                1e-11);
+      EXPECT_EQ(difference(system.times(system.right_side, 3), product), 0.0);
+    }
   }
 }
 
@@ -125,9 +155,17 @@ protected:
 };
 
 TEST_P(EveryLinearMethod, ReachesTheTolerance) {
-  const System system(native_isa());
+  System system(native_isa());
   Result<std::unique_ptr<LinearMethod>> method = make_method(GetParam(), system, m_threads);
   ASSERT_TRUE(method) << method.error().message;
+  for (const double tolerance : {1e-2, 1e-4, 1e-11}) {
+    std::vector<double> solution;
+    const SolveReport report = (*method)->solve({*system.matrix, system.right_side, tolerance, m_rotate}, solution);
+    ASSERT_EQ(report.end, SolveEnd::solved);
+    const std::vector<double> product = system.times(solution);
+    EXPECT_LT(difference(product, system.right_side), 30.0 * tolerance);
+  }
+  system.add_pairs();
   for (const double tolerance : {1e-2, 1e-4, 1e-11}) {
     std::vector<double> solution;
     const SolveReport report = (*method)->solve({*system.matrix, system.right_side, tolerance, m_rotate}, solution);

@@ -77,7 +77,7 @@ void wheel(Parts& parts, double x0, double x1, double y, double z, double radius
   prism(parts, outline, x0, x1, bevel);
 }
 
-constexpr double FLOOR = 0.1, RADIUS = 0.068; ///< of the wheels
+constexpr double FLOOR = 0.1, RADIUS = 0.041; ///< of the wheels, which stay below the bed
 const Vec3 HINGE(0.5, 0.65, 0.2);
 
 /// Inside x .3-.7, y .05-.65, z .2-.4 m; open at the top and at the back; walls 15 mm.

@@ -104,6 +104,14 @@ std::int64_t BlockMatrix::find(int row, int column) const {
 }
 
 void BlockMatrix::add_velocity_diagonal(int node, const double* block3x3) {
+  add_diagonal(node, 0, block3x3);
+}
+
+void BlockMatrix::add_angular_diagonal(int node, const double* block3x3) {
+  add_diagonal(node, 3, block3x3);
+}
+
+void BlockMatrix::add_diagonal(int node, int offset, const double* block3x3) {
   for (Section& section : m_sections) {
     const int row = node - section.nodes.first_node;
     if (row >= section.nodes.node_count)
@@ -112,13 +120,95 @@ void BlockMatrix::add_velocity_diagonal(int node, const double* block3x3) {
     double* block = section.values.data() + section.row_begin[row] * d * d;
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j)
-        block[i * d + j] += block3x3[i * 3 + j];
+        block[(offset + i) * d + offset + j] += block3x3[i * 3 + j];
     }
     return;
   }
 }
 
+void BlockMatrix::add_velocity_pair(int row, int column, const double* block) {
+  if (row > column) {
+    const double mirrored[9] = {block[0], block[3], block[6], block[1], block[4],
+                                block[7], block[2], block[5], block[8]};
+    return add_velocity_pair(column, row, mirrored);
+  }
+  if (const std::int64_t number = find(row, column); number >= 0) {
+    for (Section& section : m_sections) {
+      if (row - section.nodes.first_node >= section.nodes.node_count)
+        continue;
+      const int d = section.nodes.dofs;
+      double* out = section.values.data() + number * d * d;
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j)
+          out[i * d + j] += block[i * 3 + j];
+      }
+      return;
+    }
+  }
+  PairEntry& entry = m_pair_entries.emplace_back();
+  entry.row = row;
+  entry.column = column;
+  std::copy_n(block, 9, entry.values);
+}
+
+void BlockMatrix::finish_pairs() {
+  m_pairs.column.clear();
+  m_pairs.values.clear();
+  m_pairs.row_begin.clear();
+  if (m_pair_entries.empty())
+    return;
+  const std::size_t nodes = static_cast<std::size_t>(m_layout->node_count());
+  if (m_padded_of_node.empty()) {
+    for (const NodeSection& section : m_layout->sections()) {
+      for (int node = 0; node < section.node_count; ++node)
+        m_padded_of_node.push_back(section.first_padded + static_cast<std::size_t>(node * section.stride()));
+    }
+  }
+  // Sorted by row (counting), then by column; entries of one block stay in the order in which they came.
+  std::vector<std::int64_t> fill(nodes + 1, 0);
+  for (const PairEntry& entry : m_pair_entries) {
+    ++fill[static_cast<std::size_t>(entry.row) + 1];
+    ++fill[static_cast<std::size_t>(entry.column) + 1];
+  }
+  for (std::size_t row = 0; row < nodes; ++row)
+    fill[row + 1] += fill[row];
+  const std::vector<std::int64_t> begin = fill;
+  m_pair_order.resize(2 * m_pair_entries.size()); // even: the entry, odd: its mirror image
+  for (std::size_t i = 0; i < m_pair_entries.size(); ++i) {
+    m_pair_order[fill[m_pair_entries[i].row]++] = static_cast<std::int64_t>(2 * i);
+    m_pair_order[fill[m_pair_entries[i].column]++] = static_cast<std::int64_t>(2 * i + 1);
+  }
+  const auto column_of = [&](std::int64_t order) {
+    const PairEntry& entry = m_pair_entries[static_cast<std::size_t>(order / 2)];
+    return order % 2 == 0 ? entry.column : entry.row;
+  };
+  m_pairs.row_begin.assign(1, 0);
+  for (std::size_t row = 0; row < nodes; ++row) {
+    const auto first = m_pair_order.begin() + begin[row];
+    const auto last = m_pair_order.begin() + begin[row + 1];
+    std::sort(first, last, [&](std::int64_t a, std::int64_t b) {
+      return column_of(a) != column_of(b) ? column_of(a) < column_of(b) : a < b;
+    });
+    for (auto it = first; it != last; ++it) {
+      const std::int32_t column = column_of(*it);
+      if (it == first || m_pairs.column.back() != column) {
+        m_pairs.column.push_back(column);
+        m_pairs.values.resize(m_pairs.values.size() + 9, 0.0);
+      }
+      const double* block = m_pair_entries[static_cast<std::size_t>(*it / 2)].values;
+      double* out = m_pairs.values.data() + m_pairs.values.size() - 9;
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j)
+          out[3 * i + j] += *it % 2 == 0 ? block[3 * i + j] : block[3 * j + i];
+      }
+    }
+    m_pairs.row_begin.push_back(static_cast<std::int64_t>(m_pairs.column.size()));
+  }
+}
+
 void BlockMatrix::set_zero(const Threads& threads) {
+  m_pair_entries.clear();
+  m_pairs = {};
   for (Section& section : m_sections) {
     threads.for_chunks(section.values.size(), 1 << 16, [&](std::size_t begin, std::size_t end) {
       std::fill(section.values.begin() + begin, section.values.begin() + end, 0.0);
@@ -127,6 +217,16 @@ void BlockMatrix::set_zero(const Threads& threads) {
 }
 
 void BlockMatrix::hold(const std::vector<char>& held, const Threads& threads) {
+  for (std::size_t row = 0; has_pairs() && row + 1 < m_pairs.row_begin.size(); ++row) {
+    const char* row_mask = held.data() + m_layout->dof(static_cast<int>(row));
+    for (std::int64_t k = m_pairs.row_begin[row]; k < m_pairs.row_begin[row + 1]; ++k) {
+      const char* column_mask = held.data() + m_layout->dof(m_pairs.column[k]);
+      for (int i = 0; i < 9; ++i) {
+        if (row_mask[i / 3] || column_mask[i % 3])
+          m_pairs.values[static_cast<std::size_t>(9 * k + i)] = 0.0;
+      }
+    }
+  }
   for (Section& section : m_sections) {
     const int d = section.nodes.dofs;
     const char* mask = held.data() + section.nodes.first_dof;
@@ -151,6 +251,7 @@ void BlockMatrix::hold(const std::vector<char>& held, const Threads& threads) {
 }
 
 void BlockMatrix::update_single(const Threads& threads) {
+  m_pairs.single.assign(m_pairs.values.begin(), m_pairs.values.end());
   for (Section& section : m_sections) {
     threads.for_chunks(section.values.size(), 1 << 16, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
@@ -184,10 +285,36 @@ template <> AlignedVector<double>& BlockMatrix::spills<double>() const {
   return m_double_spills;
 }
 
-template <class Scalar> double BlockMatrix::gather_spills(std::size_t index, const Scalar* x, Scalar* y) const {
+template <> const float* BlockMatrix::pair_values<float>() const {
+  return m_pairs.single.data();
+}
+template <> const double* BlockMatrix::pair_values<double>() const {
+  return m_pairs.values.data();
+}
+
+/// Rows [begin, end) of a section, whose pairs may stand in any section.
+template <class Scalar>
+void BlockMatrix::multiply_pairs(const NodeSection& nodes, int begin, int end, const Scalar* x, Scalar* y) const {
+  const Scalar* values = pair_values<Scalar>();
+  for (int row = nodes.first_node + begin; row < nodes.first_node + end; ++row) {
+    Scalar* out = y + m_padded_of_node[row];
+    for (std::int64_t k = m_pairs.row_begin[row]; k < m_pairs.row_begin[row + 1]; ++k) {
+      const Scalar* block = values + 9 * k;
+      const Scalar* in = x + m_padded_of_node[m_pairs.column[k]];
+      for (int i = 0; i < 3; ++i)
+        out[i] += block[3 * i] * in[0] + block[3 * i + 1] * in[1] + block[3 * i + 2] * in[2];
+    }
+  }
+}
+
+template <class Scalar>
+double BlockMatrix::gather_spills(std::size_t index, const AlignedVector<Scalar>& all_x,
+                                  AlignedVector<Scalar>& all_y) const {
   const Chunk& chunk = m_chunks[index];
   const NodeSection& nodes = m_sections[chunk.section].nodes;
   const int stride = nodes.stride();
+  const Scalar* x = all_x.data() + nodes.first_padded;
+  Scalar* y = all_y.data() + nodes.first_padded;
   for (std::size_t other = chunk.first_source; other < index; ++other) {
     const Chunk& source = m_chunks[other];
     const Scalar* spill = spills<Scalar>().data() + source.spill_begin;
@@ -198,6 +325,8 @@ template <class Scalar> double BlockMatrix::gather_spills(std::size_t index, con
         y[node * stride + i] += spill[(node - source.end) * stride + i];
     }
   }
+  if (has_pairs())
+    multiply_pairs(nodes, chunk.begin, chunk.end, all_x.data(), all_y.data());
   return block_functions<Scalar>(m_products, nodes.dofs).dot(chunk.begin, chunk.end, x, y);
 }
 
@@ -211,10 +340,8 @@ double BlockMatrix::multiply(const AlignedVector<Scalar>& x, AlignedVector<Scala
     functions<Scalar>(section).product(rows, chunk.begin, chunk.end, x.data() + first, y.data() + first,
                                        spills<Scalar>().data() + chunk.spill_begin, chunk.spill_nodes);
   });
-  threads.for_each(m_chunks.size(), 8, [&](std::size_t index) {
-    const std::size_t first = m_sections[m_chunks[index].section].nodes.first_padded;
-    m_partial_dots[index] = gather_spills(index, x.data() + first, y.data() + first);
-  });
+  threads.for_each(m_chunks.size(), has_pairs() ? 1 : 8,
+                   [&](std::size_t index) { m_partial_dots[index] = gather_spills(index, x, y); });
   double dot = 0.0;
   for (const double partial : m_partial_dots)
     dot += partial;

@@ -39,6 +39,25 @@ public:
 
   /// Adds to the v,v part of the diagonal block of a node.
   void add_velocity_diagonal(int node, const double* block3x3);
+  /// Adds to the omega,omega part of the diagonal block of a node that has one.
+  void add_angular_diagonal(int node, const double* block3x3);
+
+  /// Adds to the v,v blocks of a pair of different nodes, row-major, and its mirror image. Pairs that the pattern lacks
+  /// are kept beside it until set_zero; finish_pairs makes them count.
+  void add_velocity_pair(int row, int column, const double* block3x3);
+  /// Sums the pairs beside the pattern, in the order in which they were added. To be called once after the last one.
+  void finish_pairs();
+  bool has_pairs() const { return !m_pairs.column.empty(); }
+  /// v,v blocks beside the pattern, both halves: row r at [row_begin[r], row_begin[r + 1]), all nodes in one numbering.
+  struct Pairs {
+    std::vector<std::int64_t> row_begin; ///< node_count + 1; empty without pairs
+    std::vector<std::int32_t> column;    ///< ascending in a row
+    std::vector<double> values;          ///< 3 x 3 row-major
+    std::vector<float> single;
+  };
+  const Pairs& pairs() const { return m_pairs; }
+  /// Puts pairs back that were taken from a matrix of the same layout.
+  void set_pairs(Pairs pairs) { m_pairs = std::move(pairs); }
 
   void set_zero(const Threads& threads);
   /// Turns the rows and columns of the held unknowns (packed, nonzero: held) into those of the identity.
@@ -71,10 +90,21 @@ private:
     std::size_t first_source = 0; ///< the first chunk whose spill reaches this one
   };
 
+  /// A block that was added beside the pattern.
+  struct PairEntry {
+    std::int32_t row, column;
+    double values[9];
+  };
+
+  template <class Scalar> const Scalar* pair_values() const;
+  template <class Scalar>
+  void multiply_pairs(const NodeSection& nodes, int begin, int end, const Scalar* x, Scalar* y) const;
+  void add_diagonal(int node, int offset, const double* block3x3);
   void cut_into_chunks(int section);
   void find_spill_sources();
   template <class Scalar> const Scalar* values_of(const Section& section) const;
-  template <class Scalar> double gather_spills(std::size_t chunk, const Scalar* x, Scalar* y) const;
+  template <class Scalar>
+  double gather_spills(std::size_t chunk, const AlignedVector<Scalar>& x, AlignedVector<Scalar>& y) const;
   template <class Scalar> AlignedVector<Scalar>& spills() const;
 
   const DofLayout* m_layout;
@@ -86,6 +116,10 @@ private:
   mutable AlignedVector<float> m_single_spills;
   mutable AlignedVector<double> m_double_spills;
   mutable std::vector<double> m_partial_dots;
+  std::vector<PairEntry> m_pair_entries;
+  std::vector<std::int64_t> m_pair_order;
+  Pairs m_pairs;
+  std::vector<std::size_t> m_padded_of_node; ///< filled with the first pairs
 };
 
 /// Packed to padded: surplus entries are zero.

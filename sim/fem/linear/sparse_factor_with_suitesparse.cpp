@@ -66,6 +66,8 @@ public:
   bool analyse(const BlockMatrix& matrix) {
     pin_blas_kernels(matrix.isa());
     pin_third_party_threads();
+    m_pair_rows = matrix.pairs().row_begin;
+    m_pair_columns = matrix.pairs().column;
     build_pattern(matrix);
     if (m_sparse == nullptr)
       return false;
@@ -79,6 +81,13 @@ public:
 
   bool factor(const BlockMatrix& matrix) override {
     pin_third_party_threads();
+    const BlockMatrix::Pairs& pairs = matrix.pairs();
+    if (pairs.row_begin != m_pair_rows || pairs.column != m_pair_columns) { // contacts came or went
+      cholmod_free_factor(&m_factor, &m_common);
+      cholmod_free_sparse(&m_sparse, &m_common);
+      if (!analyse(matrix))
+        return false;
+    }
     copy_values(matrix);
     cholmod_factorize(m_sparse, m_factor, &m_common);
     return m_common.status == CHOLMOD_OK && m_factor->minor == m_factor->n;
@@ -100,17 +109,29 @@ public:
   FactorCost cost() const override { return m_cost; }
 
 private:
+  /// Calls body(column, k) for the pairs of a node with later ones.
+  template <class Body> static void for_later_pairs(const BlockMatrix::Pairs& pairs, int node, const Body& body) {
+    if (pairs.row_begin.empty())
+      return;
+    for (std::int64_t k = pairs.row_begin[node]; k < pairs.row_begin[node + 1]; ++k) {
+      if (pairs.column[k] > node)
+        body(pairs.column[k], k);
+    }
+  }
+
   /// The lower half by columns: column (row r, i) holds row i of r's diagonal block from i on, then of its other
-  /// blocks.
+  /// blocks, then of its pairs.
   void build_pattern(const BlockMatrix& matrix) {
     const std::size_t size = matrix.layout().dof_count();
     double entries = 0.0;
     for (const BlockMatrix::Section& section : matrix.sections())
       entries += static_cast<double>(section.blocks()) * section.nodes.dofs * section.nodes.dofs;
+    entries += 9.0 * static_cast<double>(m_pair_columns.size());
     if (entries > 2e9)
       return;
+    const int sorted = m_pair_columns.empty() ? 1 : 0;
     m_sparse =
-        cholmod_allocate_sparse(size, size, static_cast<std::size_t>(entries), 1, 1, -1, CHOLMOD_REAL, &m_common);
+        cholmod_allocate_sparse(size, size, static_cast<std::size_t>(entries), sorted, 1, -1, CHOLMOD_REAL, &m_common);
     if (m_sparse == nullptr)
       return;
     int* starts = static_cast<int*>(m_sparse->p);
@@ -128,6 +149,10 @@ private:
             for (int j = 0; j < d; ++j)
               rows[next++] = first + section.column[k] * d + j;
           }
+          for_later_pairs(matrix.pairs(), section.nodes.first_node + node, [&](std::int32_t column, std::int64_t) {
+            for (int j = 0; i < 3 && j < 3; ++j)
+              rows[next++] = static_cast<int>(matrix.layout().dof(column)) + j;
+          });
         }
       }
     }
@@ -144,6 +169,10 @@ private:
           out = std::copy_n(section.values.data() + first * d * d + i * d + i, d - i, out);
           for (std::int64_t k = first + 1; k < section.row_begin[node + 1]; ++k)
             out = std::copy_n(section.values.data() + k * d * d + i * d, d, out);
+          for_later_pairs(matrix.pairs(), section.nodes.first_node + node, [&](std::int32_t, std::int64_t k) {
+            if (i < 3)
+              out = std::copy_n(matrix.pairs().values.data() + 9 * k + 3 * i, 3, out);
+          });
         }
       }
     }
@@ -155,8 +184,10 @@ private:
     std::size_t blocks = 0;
     for (const BlockMatrix::Section& section : matrix.sections())
       blocks += static_cast<std::size_t>(section.blocks());
-    cholmod_sparse* graph =
-        cholmod_allocate_sparse(layout.node_count(), layout.node_count(), blocks, 1, 1, -1, CHOLMOD_PATTERN, &m_common);
+    blocks += m_pair_columns.size() / 2;
+    const int sorted = m_pair_columns.empty() ? 1 : 0;
+    cholmod_sparse* graph = cholmod_allocate_sparse(layout.node_count(), layout.node_count(), blocks, sorted, 1, -1,
+                                                    CHOLMOD_PATTERN, &m_common);
     if (graph == nullptr)
       return {};
     int* starts = static_cast<int*>(graph->p);
@@ -167,6 +198,8 @@ private:
         starts[section.nodes.first_node + node] = next;
         for (std::int64_t k = section.row_begin[node]; k < section.row_begin[node + 1]; ++k)
           rows[next++] = section.nodes.first_node + section.column[k];
+        for_later_pairs(matrix.pairs(), section.nodes.first_node + node,
+                        [&](std::int32_t column, std::int64_t) { rows[next++] = column; });
       }
     }
     starts[layout.node_count()] = next;
@@ -182,6 +215,8 @@ private:
     return order;
   }
 
+  std::vector<std::int64_t> m_pair_rows; ///< of the pattern that was analysed
+  std::vector<std::int32_t> m_pair_columns;
   cholmod_common m_common{};
   cholmod_sparse* m_sparse = nullptr;
   cholmod_factor* m_factor = nullptr;

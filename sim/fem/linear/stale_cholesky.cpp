@@ -90,11 +90,19 @@ public:
       archive.push_back({"fem/stale/matrix" + std::to_string(i),
                          {m_values[i].size()},
                          std::vector<double>(m_values[i].begin(), m_values[i].end())});
+    archive.push_back({"fem/stale/pair_rows",
+                       {m_pairs.row_begin.size()},
+                       std::vector<double>(m_pairs.row_begin.begin(), m_pairs.row_begin.end())});
+    archive.push_back({"fem/stale/pair_columns",
+                       {m_pairs.column.size()},
+                       std::vector<double>(m_pairs.column.begin(), m_pairs.column.end())});
+    archive.push_back({"fem/stale/pair_values", {m_pairs.values.size()}, m_pairs.values});
   }
 
   Status restore(const StateArchive& archive) override {
     m_factored = m_renew = false;
     BlockMatrix copy = m_matrix;
+    BlockMatrix::Pairs pairs;
     std::size_t matrices = 0;
     for (const NamedArray& array : archive) {
       if (array.name == "fem/stale/flags" && array.values.size() == 2) {
@@ -104,6 +112,12 @@ public:
         m_rotations.clear();
         for (std::size_t i = 0; i + 9 <= array.values.size(); i += 9)
           m_rotations.push_back(Eigen::Map<const Mat3>(array.values.data() + i));
+      } else if (array.name == "fem/stale/pair_rows") {
+        pairs.row_begin.assign(array.values.begin(), array.values.end());
+      } else if (array.name == "fem/stale/pair_columns") {
+        pairs.column.assign(array.values.begin(), array.values.end());
+      } else if (array.name == "fem/stale/pair_values") {
+        pairs.values = array.values;
       } else if (array.name.starts_with("fem/stale/matrix")) {
         if (matrices >= copy.sections().size() || array.values.size() != copy.sections()[matrices].values.size())
           return make_error(ErrorCode::io, "checkpoint: {} has {} entries, which do not fit this shot", array.name,
@@ -114,6 +128,10 @@ public:
     if (!m_factored)
       return {};
     const std::size_t nodes = static_cast<std::size_t>(m_matrix.layout().node_count());
+    if (pairs.values.size() != 9 * pairs.column.size() ||
+        (!pairs.column.empty() && pairs.row_begin.size() != nodes + 1))
+      return make_error(ErrorCode::io, "checkpoint: the contacts of the stored preconditioner do not fit this shot");
+    copy.set_pairs(std::move(pairs));
     if (matrices != copy.sections().size() || m_rotations.size() != nodes || !m_factor->factor(copy))
       return make_error(ErrorCode::io,
                         "checkpoint: the stored preconditioner is incomplete ({} of {} matrices, {} of {} "
@@ -138,6 +156,7 @@ private:
     m_values.clear();
     for (const BlockMatrix::Section& section : matrix.sections())
       m_values.push_back(section.values);
+    m_pairs = matrix.pairs();
   }
 
   SolveReport solve_anew(const LinearProblem& problem, const std::vector<Mat3>& rotations,
@@ -163,6 +182,7 @@ private:
   const Threads& m_threads;
   ConjugateGradientVectors<double> m_work;
   std::vector<AlignedVector<double>> m_values; ///< of the factored matrix
+  BlockMatrix::Pairs m_pairs;                  ///< of the factored matrix
   std::vector<Mat3> m_rotations;               ///< of the nodes when it was factored
   int m_iterations_per_factor = 4;             ///< what a factor is worth, in iterations
   bool m_factored = false;

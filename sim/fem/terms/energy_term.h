@@ -11,8 +11,12 @@
 
 namespace wry::fem {
 
-/// What to do with element Hessians that are not positive semidefinite.
-enum class Projection { none, indefinite_elements };
+/// Which parts of a Hessian that are not positive semidefinite are made so.
+enum class Projection {
+  none,                ///< exact
+  contacts,            ///< those of contacts, which are cheap to project and rarely definite
+  indefinite_elements, ///< all
+};
 
 /// A part of the incremental potential, a function of the unknowns (v, omega) of all nodes. Terms may keep data that is
 /// frozen during a solve (lagged friction, the rest shape of the time), renewed by begin_solve only.
@@ -21,11 +25,24 @@ public:
   virtual ~EnergyTerm() = default;
   virtual std::string_view name() const = 0;
 
+  /// Goes back to the start of a step that is to be tried; `positions` are those of the nodes there.
+  virtual void begin_step(const Stage& stage, const Points& positions) {
+    (void)stage;
+    (void)positions;
+  }
+  /// Takes what is prescribed (obstacles on their way) as far towards the end of the step as nodes in their present
+  /// place allow. Returns the share of the way that is left.
+  virtual double advance_prescribed(const Trial& trial) {
+    (void)trial;
+    return 0.0;
+  }
   /// Freezes what does not vary during the coming solve. `trial` is the best known state of the stage's end.
   virtual void begin_solve(const Stage& stage, const Trial& trial) {
     (void)stage;
     (void)trial;
   }
+  /// Whether its derivatives are by the Cayley increments of rotations times beta, not by omega itself.
+  virtual bool acts_on_increments() const { return true; }
   /// [J]; +infinity where the term is not defined.
   virtual double energy(const Stage& stage, const Trial& trial) const = 0;
   /// Energy, and adds the derivative to `gradient` (packed).

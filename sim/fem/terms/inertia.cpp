@@ -12,6 +12,8 @@ public:
       , m_mass(mass)
       , m_offset(dof_offset) {}
 
+  bool acts_on_increments() const override { return false; }
+
   double energy(const Stage& stage, const Trial& trial) const override {
     double sum = 0.0;
     for (int node = 0; node < m_model.layout.node_count(); ++node) {
