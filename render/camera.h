@@ -26,6 +26,9 @@ struct CameraPlan {
   double elevation_degrees = 14; ///< above the horizon; -89 ... 89
   double margin = 0.12;          ///< free space at the tightest side, as a part of the picture; 0 ... 0.9
   std::optional<PlacedCamera> placed;
+  /// Depth of field of a lens of this f-number, in the scene's own metres; absent: everything is sharp. 0.1 ... 128
+  std::optional<double> f_stop;
+  std::optional<double> focus_distance; ///< along the view axis [m]; absent: the nearest part of the subject's middle
 };
 
 /// Whether the frame must hold while the camera goes round.

@@ -28,10 +28,14 @@ Result<HeatValues> heat_values(const HeatStyle& style, const SceneBody& body, co
   const Channel* channel = find_channel(on_frame, style.channel);
   if (channel == nullptr)
     return heat;
-  if (channel->on != ChannelOn::vertex && channel->on != ChannelOn::tet)
-    return make_error(ErrorCode::bad_input, "body {}: channel {} is not of vertices or tets and cannot be a heat view",
+  if (channel->on == ChannelOn::global)
+    return make_error(ErrorCode::bad_input, "body {}: channel {} is one value for the body and cannot be a heat view",
                       body.name, style.channel);
-  const Eigen::Index rows = channel->on == ChannelOn::vertex ? body.rest_positions.rows() : body.tets.rows();
+  const Channel* position = find_channel(on_frame, "position");
+  const Eigen::Index rows = channel->on == ChannelOn::tet ? body.tets.rows()
+                            : body.kind == BodyKind::particles && position != nullptr
+                                ? static_cast<Eigen::Index>(position->values.size() / 3)
+                                : body.rest_positions.rows();
   if (channel->components < 1 || channel->values.size() != static_cast<std::size_t>(rows * channel->components))
     return make_error(ErrorCode::bad_input, "body {}: channel {} has {} values; {} rows of {} were expected", body.name,
                       style.channel, channel->values.size(), rows, channel->components);

@@ -11,6 +11,7 @@ struct Image {
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> pixels; ///< height x width x 4
+  std::vector<std::uint16_t> deep;  ///< the same with 16 bits; empty: there are only 8
 
   Image() = default;
   /// All pixels zero (transparent black).

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "render/image.h"
 #include "sim/base/types.h"
 
 namespace wry::render {
@@ -32,10 +34,16 @@ struct Rig {
   /// Whether hollows and contacts are darkened by what surrounds them.
   enum class Occlusion { none, near_by };
   Occlusion occlusion = Occlusion::near_by;
-  /// Backdrop behind everything; with a studio ground, `melted` gives it the ground's own light.
-  enum class Backdrop { melted, given };
+  /// Backdrop behind everything; with a studio ground, `melted` gives it the ground's own light;
+  /// `surroundings` shows the picture that lights the scene.
+  enum class Backdrop { melted, given, surroundings };
   Backdrop backdrop = Backdrop::melted;
   Eigen::Vector3f given_backdrop = Eigen::Vector3f::Constant(.18f);
+  /// Light from all around, equirectangular (up in the middle of the top row, azimuth 0 in the middle column): in place
+  /// of the even `sky`, which still lights the floor. Absent: the sky is even.
+  std::shared_ptr<const LinearImage> surroundings;
+  double turn_degrees = 0.0; ///< of all lights about up
+  double stops = 0.0;        ///< of all lights
 };
 
 /// Key from the upper left, large soft fill from the right, rim from behind, sky and ground bounce.

@@ -22,8 +22,8 @@ struct PngSettings {
   int compression = 1; ///< libdeflate's 1 (fast) to 12 (small)
 };
 
-/// The bytes of a PNG file: 8 bits, sRGB chunk, the texts as tEXt (ASCII) or iTXt. Errors: bad_input for an empty image
-/// or a key that PNG does not allow, out_of_memory.
+/// The bytes of a PNG file: 8 bits, or 16 of a deep image, sRGB chunk, the texts as tEXt (ASCII) or iTXt. Errors:
+/// bad_input for an empty image or a key that PNG does not allow, out_of_memory.
 Result<std::vector<std::uint8_t>> encode_png(const Image& image, const std::vector<PngText>& texts,
                                              const PngSettings& settings = {});
 

@@ -66,6 +66,29 @@ Bytes filtered_rows(const Image& image, int channels) {
   return rows;
 }
 
+/// The same for 16 bits: high byte first.
+Bytes filtered_deep_rows(const Image& image, int channels) {
+  const std::size_t width = static_cast<std::size_t>(image.width);
+  const std::size_t step = static_cast<std::size_t>(channels);
+  Bytes rows(static_cast<std::size_t>(image.height) * (1 + 2 * width * step));
+  std::uint8_t* out = rows.data();
+  for (std::size_t y = 0; y < static_cast<std::size_t>(image.height); ++y) {
+    *out++ = 1;
+    std::array<std::uint8_t, 8> left{};
+    const std::uint16_t* in = image.deep.data() + 4 * width * y;
+    for (std::size_t x = 0; x < width; ++x, in += 4) {
+      for (std::size_t c = 0; c < step; ++c) {
+        for (std::size_t half = 0; half < 2; ++half) {
+          const auto byte = static_cast<std::uint8_t>(in[c] >> (half == 0 ? 8 : 0));
+          *out++ = static_cast<std::uint8_t>(byte - left[2 * c + half]);
+          left[2 * c + half] = byte;
+        }
+      }
+    }
+  }
+  return rows;
+}
+
 Result<Bytes> compressed(const Bytes& rows, int level) {
   const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
       libdeflate_alloc_compressor(std::clamp(level, 1, 12)), &libdeflate_free_compressor);
@@ -88,7 +111,8 @@ Result<Bytes> encode_png(const Image& image, const std::vector<PngText>& texts, 
   Bytes header;
   append_u32(header, static_cast<std::uint32_t>(image.width));
   append_u32(header, static_cast<std::uint32_t>(image.height));
-  const std::array<std::uint8_t, 5> kind = {8, static_cast<std::uint8_t>(with_alpha ? 6 : 2), 0, 0, 0};
+  const std::array<std::uint8_t, 5> kind = {static_cast<std::uint8_t>(image.deep.empty() ? 8 : 16),
+                                            static_cast<std::uint8_t>(with_alpha ? 6 : 2), 0, 0, 0};
   header.insert(header.end(), kind.begin(), kind.end());
   append_chunk(file, "IHDR", header);
   append_chunk(file, "sRGB", std::array<std::uint8_t, 1>{0});
@@ -98,7 +122,9 @@ Result<Bytes> encode_png(const Image& image, const std::vector<PngText>& texts, 
                         text.key);
     append_text(file, text);
   }
-  const Result<Bytes> data = compressed(filtered_rows(image, with_alpha ? 4 : 3), settings.compression);
+  const Result<Bytes> data = compressed(image.deep.empty() ? filtered_rows(image, with_alpha ? 4 : 3)
+                                                           : filtered_deep_rows(image, with_alpha ? 4 : 3),
+                                        settings.compression);
   if (!data.ok())
     return data.error();
   append_chunk(file, "IDAT", *data);

@@ -15,6 +15,12 @@ Status check_look(const std::string& name, const Look& look) {
     return make_error(ErrorCode::bad_input,
                       "look {}: metallic {}, specular {}, wrap {} and clearcoat {} must be 0 to 1", name, look.metallic,
                       look.specular, look.wrap, look.clearcoat);
+  if (!within(look.transparency, 0.f, 1.f) || !within(look.colour_variation, 0.f, 0.6f) ||
+      !within(look.size_variation, 0.f, 0.9f))
+    return make_error(
+        ErrorCode::bad_input,
+        "look {}: transparency {} must be 0 to 1, colour variation {} 0 to 0.6, size variation {} 0 to 0.9", name,
+        look.transparency, look.colour_variation, look.size_variation);
   for (int c = 0; c < 3; ++c) {
     if (!within(look.base_colour[c], 0.f, 1.f) || !within(look.scatter[c], 0.f, 1.f))
       return make_error(ErrorCode::bad_input, "look {}: colours must be 0 to 1, linear", name);
@@ -52,8 +58,9 @@ Status check_render_plan(const RenderPlan& plan) {
     return make_error(ErrorCode::bad_input, "an exposure of {} stops: choose -16 to 16", plan.exposure_stops);
   if (!(std::abs(plan.up.norm() - 1.0) < 1e-6))
     return make_error(ErrorCode::bad_input, "the up axis must be a unit vector; its length is {}", plan.up.norm());
-  if (plan.looks.size() > 62)
-    return make_error(ErrorCode::bad_input, "{} looks in one scene: at most 62", plan.looks.size());
+  if (!(plan.shutter >= 0.0 && plan.shutter <= 1.0) || !(plan.fps > 0.0))
+    return make_error(ErrorCode::bad_input, "a shutter of {} of a frame at {} frames a second: choose 0 to 1",
+                      plan.shutter, plan.fps);
   if (const Status good = check_look("default", plan.default_look); !good.ok())
     return good;
   for (const auto& [name, look] : plan.looks) {

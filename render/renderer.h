@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,8 +16,19 @@ namespace wry::render {
 /// One picture that is asked for.
 struct Picture {
   std::string view = "beauty";
-  double orbit_turns = 0.0;       ///< added to the camera's azimuth; 1 = once round
-  std::vector<std::string> slate; ///< lines of this picture, under the plan's
+  double orbit_turns = 0.0;         ///< added to the camera's azimuth; 1 = once round
+  std::optional<CameraPlan> camera; ///< of this picture, in place of the plan's
+  std::vector<std::string> slate;   ///< lines of this picture, under the plan's
+};
+
+/// What lies behind each pixel's centre, rows from the top; nothing: distance 0, body 0. Not filtered.
+struct DataLayers {
+  int width = 0;
+  int height = 0;
+  std::vector<float> distance;                ///< along the view axis [m]
+  std::vector<std::array<float, 3>> normal;   ///< in the world, towards the eye
+  std::vector<std::array<float, 3>> velocity; ///< in the world [m/s]
+  std::vector<std::uint32_t> body;            ///< from 1, in the order of the scene
 };
 
 /// Processor time of one pass, summed over the sub-frames of one picture.
@@ -39,6 +53,10 @@ public:
 
   /// The same light before exposure, tone curve and text.
   Result<LinearImage> draw_linear(const Frame& frame, const Picture& picture);
+
+  /// Distance, normal, velocity and body of what the picture shows. Errors: as draw(); bad_input unless the plan asks
+  /// for data.
+  Result<DataLayers> draw_data(const Frame& frame, const Picture& picture);
 
   /// What each pass of the last picture cost.
   const std::vector<PassTime>& pass_times() const;

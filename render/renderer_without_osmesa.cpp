@@ -30,6 +30,9 @@ Result<Image> Renderer::draw(const Frame&, const Picture&) {
 Result<LinearImage> Renderer::draw_linear(const Frame&, const Picture&) {
   return not_built();
 }
+Result<DataLayers> Renderer::draw_data(const Frame&, const Picture&) {
+  return not_built();
+}
 const std::vector<PassTime>& Renderer::pass_times() const {
   return m_machinery->times;
 }

@@ -66,13 +66,15 @@ Vec3 scaled_normal(const Eigen::Ref<const Points>& x, const Eigen::Ref<const Tri
   return (b - a).cross(c - a);
 }
 
-Triangles without_repeats(const Eigen::Ref<const Triangles>& triangles) {
+Triangles without_repeats(const Eigen::Ref<const Triangles>& triangles, std::vector<std::int32_t>& which) {
   Triangles kept(triangles.rows(), 3);
   Eigen::Index count = 0;
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     const auto [a, b, c] = std::array{triangles(t, 0), triangles(t, 1), triangles(t, 2)};
-    if (a != b && b != c && c != a)
-      kept.row(count++) = triangles.row(t);
+    if (a == b || b == c || c == a)
+      continue;
+    kept.row(count++) = triangles.row(t);
+    which.push_back(static_cast<std::int32_t>(t));
   }
   kept.conservativeResize(count, 3);
   return kept;
@@ -110,10 +112,10 @@ double angle_between(const Vec3& a, const Vec3& b) {
 
 SplitSurface split_at_creases(const Eigen::Ref<const Points>& positions, const Eigen::Ref<const Triangles>& triangles,
                               double crease_degrees) {
-  const Triangles kept = without_repeats(triangles);
+  SplitSurface surface;
+  const Triangles kept = without_repeats(triangles, surface.kept);
   CornerGroups groups(static_cast<std::size_t>(kept.rows()) * 3);
   join_over_smooth_edges(groups, positions, kept, crease_degrees);
-  SplitSurface surface;
   surface.triangles.resize(kept.rows(), 3);
   std::vector<std::int32_t> split_of_root(static_cast<std::size_t>(kept.rows()) * 3, -1);
   for (std::int32_t t = 0; t < kept.rows(); ++t) {

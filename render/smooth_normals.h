@@ -12,6 +12,7 @@ namespace wry::render {
 struct SplitSurface {
   Triangles triangles;                ///< indices of split vertices
   std::vector<std::int32_t> original; ///< per split vertex: the vertex it came from
+  std::vector<std::int32_t> kept;     ///< per triangle: which one of the given triangles it is
 };
 
 /// Splits the vertices of `positions` (n x 3) at edges where the surface bends by more than `crease_degrees`, at open

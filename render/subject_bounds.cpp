@@ -54,12 +54,38 @@ Status SubjectBounds::include(const SceneStatic& scene, const Frame& frame) {
     return make_error(ErrorCode::bad_input, "frame {} has {} bodies, the scene {}: they are not of the same run",
                       frame.number, frame.bodies.size(), scene.bodies.size());
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    if (scene.bodies[b].kind == BodyKind::particles) {
+      if (const Status good = include_cloud(scene.bodies[b], frame.bodies[b], frame.number); !good.ok())
+        return good.error();
+      continue;
+    }
     const Result<Points> positions = world_positions(scene.bodies[b], frame.bodies[b], frame.number);
     if (!positions.ok())
       return positions.error();
     if (scene.bodies[b].triangles.rows() > 0)
       include(*positions);
   }
+  return {};
+}
+
+Status SubjectBounds::include_cloud(const SceneBody& body, const FrameBody& on_frame, int frame_number) {
+  const Channel* channel = find_channel(on_frame, "position");
+  if (channel == nullptr || channel->components != 3 || channel->values.size() % 3 != 0)
+    return make_error(ErrorCode::bad_input, "frame {}, body {}: particles need a channel position of 3 components",
+                      frame_number, body.name);
+  if (channel->values.empty())
+    return {};
+  SubjectBounds centres;
+  centres.include(
+      Eigen::Map<const Points>(channel->values.data(), static_cast<Eigen::Index>(channel->values.size() / 3), 3));
+  if (centres.empty())
+    return {};
+  // No grain reaches farther from its centre than half its diagonal.
+  double reach = 0.5 * body.grain.size.norm();
+  if (body.grain.shape == GrainShape::mesh && body.rest_positions.rows() > 0)
+    reach = (body.rest_positions * body.grain.size.asDiagonal()).rowwise().norm().maxCoeff();
+  include(Points(centres.m_outline + reach * directions()));
+  m_box.extend(Eigen::AlignedBox3d(centres.m_box.min().array() - reach, centres.m_box.max().array() + reach));
   return {};
 }
 

@@ -29,6 +29,8 @@ public:
   const Points& outline() const { return m_outline; }
 
 private:
+  Status include_cloud(const SceneBody& body, const FrameBody& on_frame, int frame_number);
+
   Eigen::AlignedBox3d m_box;
   Eigen::VectorXd m_reach; ///< per direction, how far the outline point lies along it
   Points m_outline;

@@ -7,6 +7,9 @@ std::vector<View> standard_views() {
       {.name = "beauty", .heat = {}},
       {.name = "clay", .colouring = Colouring::clay, .heat = {}},
       {.name = "wire", .colouring = Colouring::clay, .wire = Wire::overlay, .heat = {}},
+      {.name = "directors", .signs = Signs::directors, .heat = {}},
+      {.name = "fibres", .signs = Signs::fibres, .heat = {}},
+      {.name = "contacts", .signs = Signs::contacts, .heat = {}},
   };
 }
 

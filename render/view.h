@@ -21,16 +21,20 @@ enum class Colouring { look, clay, heat };
 enum class Wire { none, overlay };
 enum class Tone { filmic, plain }; ///< plain: the sRGB curve alone, so that map colours are those of the bar
 
+/// What is drawn upon the bodies, which are of clay then.
+enum class Signs { none, directors, fibres, contacts };
+
 /// One way to draw a frame. Views are data: a new one is a line in a table, here or in a shot.
 struct View {
   std::string name;
   Colouring colouring = Colouring::look;
   Wire wire = Wire::none;
+  Signs signs = Signs::none;
   Tone tone = Tone::filmic;
   std::optional<HeatStyle> heat; ///< with Colouring::heat
 };
 
-/// beauty, clay and wire.
+/// beauty, clay, wire, directors, fibres and contacts.
 std::vector<View> standard_views();
 
 /// The heat view of a channel, named "heat-<channel>".

@@ -1,5 +1,6 @@
 #include "pipeline/assets/import_child.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -75,6 +76,46 @@ std::vector<std::string> companion_names(const std::string& gltf) {
   return names;
 }
 
+/// Names of pictures and material libraries that a file mentions anywhere: letters before .png, .jpg, .jpeg, .tga or
+/// .mtl, without their folders.
+std::vector<std::string> mentioned_names(const std::string& bytes) {
+  std::vector<std::string> names;
+  for (std::size_t dot = bytes.find('.'); dot != std::string::npos && names.size() < MAX_COMPANIONS;
+       dot = bytes.find('.', dot + 1)) {
+    const std::string ending = lower_extension(bytes.substr(dot, 5));
+    const std::size_t length = ending.starts_with("jpeg") ? 5
+                               : ending.starts_with("png") || ending.starts_with("jpg") || ending.starts_with("tga") ||
+                                       ending.starts_with("mtl")
+                                   ? 4
+                                   : 0;
+    if (length == 0)
+      continue;
+    std::size_t begin = dot;
+    while (begin > 0 && dot - begin < 128 && bytes[begin - 1] > ' ' &&
+           std::strchr("/\\\"'<>=|*?:", bytes[begin - 1]) == nullptr)
+      --begin;
+    const std::string name = bytes.substr(begin, dot + length - begin);
+    if (begin < dot && std::find(names.begin(), names.end(), name) == names.end())
+      names.push_back(name);
+  }
+  return names;
+}
+
+/// Reads what a file mentions from its own folder; what is not there is told when a material wants it.
+void load_mentioned(const std::string& folder, const std::string& bytes, MeshFile& file) {
+  for (const std::string& name : mentioned_names(bytes)) {
+    if (file.files.size() >= MAX_COMPANIONS || file.files.count(name) != 0)
+      continue;
+    Result<std::string> companion = read_file(folder + name);
+    if (!companion)
+      continue;
+    const bool library = lower_extension(name) == "mtl";
+    if (library)
+      load_mentioned(folder, *companion, file);
+    file.files[name] = std::move(*companion);
+  }
+}
+
 Result<MeshFile> load(const std::string& path, const std::string& node, ImportWhat what) {
   MeshFile file;
   const std::size_t slash = path.find_last_of('/');
@@ -94,6 +135,8 @@ Result<MeshFile> load(const std::string& path, const std::string& node, ImportWh
       file.files[name] = std::move(*companion);
     }
   }
+  if (file.extension != "ply" && file.extension != "stl" && file.extension != "off")
+    load_mentioned(folder, *bytes, file);
   file.files[file.name] = std::move(*bytes);
   return file;
 }

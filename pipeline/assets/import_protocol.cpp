@@ -8,7 +8,7 @@ namespace wry::pipeline {
 
 namespace {
 
-constexpr char MESH_MAGIC[] = "WRYMESH1";
+constexpr char MESH_MAGIC[] = "WRYMESH2";
 constexpr char FAIL_MAGIC[] = "WRYFAIL1";
 constexpr std::size_t MAGIC_SIZE = 8;
 constexpr std::uint64_t MAX_ATTRIBUTES = 256;
@@ -16,6 +16,9 @@ constexpr std::uint64_t MAX_NOTES = 256;
 constexpr std::uint64_t MAX_TEXT = 4096;
 constexpr std::uint32_t MAX_COMPONENTS = 16;
 constexpr std::uint64_t MAX_MOTION_SAMPLES = 100'000;
+constexpr std::uint64_t MAX_MATERIALS = 100'000;
+constexpr std::int32_t MAX_TEXTURES = 256;
+constexpr std::int32_t MAX_SIDE = 8192;
 
 template <class T> void put(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
@@ -124,6 +127,85 @@ Status get_motion(Reader& reader, RawMotion& motion) {
   return {};
 }
 
+void put_materials(std::string& bytes, const RawMesh& raw) {
+  put(bytes, static_cast<std::uint64_t>(raw.material_of_triangle.size()));
+  put_array(bytes, raw.material_of_triangle.data(), raw.material_of_triangle.size());
+  put(bytes, static_cast<std::uint64_t>(raw.materials.size()));
+  for (const render::ArtistMaterial& material : raw.materials) {
+    put_text(bytes, material.name);
+    put_array(bytes, material.base_colour.data(), 3);
+    put(bytes, material.roughness);
+    put(bytes, material.metallic);
+    put(bytes, static_cast<std::int32_t>(material.texture));
+  }
+  put(bytes, static_cast<std::uint64_t>(raw.textures.size()));
+  for (const render::Image& texture : raw.textures) {
+    put(bytes, static_cast<std::int32_t>(texture.width));
+    put(bytes, static_cast<std::int32_t>(texture.height));
+    put_array(bytes, texture.pixels.data(), texture.pixels.size());
+  }
+}
+
+Status get_material(Reader& reader, std::int32_t textures, RawMesh& raw) {
+  const auto unit = [](float v) { return v >= 0.f && v <= 1.f; };
+  render::ArtistMaterial material;
+  material.name = reader.get_text();
+  reader.get_array(material.base_colour.data(), 3);
+  material.roughness = reader.get<float>();
+  material.metallic = reader.get<float>();
+  material.texture = reader.get<std::int32_t>();
+  if (!reader.ok() || !unit(material.base_colour[0]) || !unit(material.base_colour[1]) ||
+      !unit(material.base_colour[2]) || !unit(material.roughness) || !unit(material.metallic) ||
+      material.texture < -1 || material.texture >= textures)
+    return nonsense("a broken material");
+  raw.materials.push_back(std::move(material));
+  return {};
+}
+
+Status get_texture(Reader& reader, RawMesh& raw) {
+  const auto width = reader.get<std::int32_t>();
+  const auto height = reader.get<std::int32_t>();
+  if (!reader.ok() || width < 1 || height < 1 || width > MAX_SIDE || height > MAX_SIDE ||
+      static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) * 4 > reader.left())
+    return nonsense("a broken picture");
+  render::Image image(width, height);
+  reader.get_array(image.pixels.data(), image.pixels.size());
+  raw.textures.push_back(std::move(image));
+  return {};
+}
+
+Status get_materials(Reader& reader, RawMesh& raw) {
+  const auto rows = reader.get<std::uint64_t>();
+  if (!reader.ok() || (rows != 0 && rows != static_cast<std::uint64_t>(raw.mesh.triangles.rows())) ||
+      rows > reader.left() / sizeof(std::int32_t))
+    return nonsense("a wrong number of materials");
+  raw.material_of_triangle.resize(rows);
+  reader.get_array(raw.material_of_triangle.data(), rows);
+  const auto materials = reader.get<std::uint64_t>();
+  if (!reader.ok() || materials > MAX_MATERIALS)
+    return nonsense("too many materials");
+  for (std::uint64_t i = 0; i < materials; ++i) {
+    if (Status status = get_material(reader, MAX_TEXTURES, raw); !status)
+      return status;
+  }
+  const auto textures = reader.get<std::uint64_t>();
+  if (!reader.ok() || textures > static_cast<std::uint64_t>(MAX_TEXTURES))
+    return nonsense("too many pictures");
+  for (std::uint64_t i = 0; i < textures; ++i) {
+    if (Status status = get_texture(reader, raw); !status)
+      return status;
+  }
+  for (const std::int32_t material : raw.material_of_triangle) {
+    if (material < 0 || material >= static_cast<std::int64_t>(raw.materials.size()))
+      return nonsense("a material out of range");
+  }
+  for (const render::ArtistMaterial& material : raw.materials) {
+    if (material.texture >= static_cast<std::int64_t>(raw.textures.size()))
+      return nonsense("a picture out of range");
+  }
+  return {};
+}
+
 } // namespace
 
 std::string encode_answer(const Result<RawMesh>& answer) {
@@ -155,6 +237,7 @@ std::string encode_answer(const Result<RawMesh>& answer) {
   put_array(bytes, motion.rest.data(), motion.rest.size());
   put_array(bytes, motion.times.data(), motion.times.size());
   put_array(bytes, motion.transforms.data(), motion.transforms.size());
+  put_materials(bytes, *answer);
   return bytes;
 }
 
@@ -189,6 +272,8 @@ Result<RawMesh> decode_answer(std::span<const std::byte> bytes) {
   for (std::uint64_t i = 0; i < notes; ++i)
     raw.notes.push_back(reader.get_text());
   if (Status status = get_motion(reader, raw.motion); !status)
+    return status.error();
+  if (Status status = get_materials(reader, raw); !status)
     return status.error();
   if (!reader.at_end())
     return nonsense("its length is wrong");

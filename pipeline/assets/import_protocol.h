@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "render/mesh_appearance.h"
 #include "sim/base/result.h"
 #include "sim/geometry/surface_mesh.h"
 
@@ -28,9 +29,12 @@ enum class ImportWhat { mesh, motion };
 
 /// What a mesh file holds, before anything is done to it: in the file's units and axes.
 struct RawMesh {
-  geometry::SurfaceMesh mesh;     ///< empty when only the motion was wanted
-  RawMotion motion;               ///< of the node, when it was wanted
-  std::vector<std::string> notes; ///< what the user should know, a sentence each
+  geometry::SurfaceMesh mesh;                     ///< empty when only the motion was wanted
+  RawMotion motion;                               ///< of the node, when it was wanted
+  std::vector<std::string> notes;                 ///< what the user should know, a sentence each
+  std::vector<std::int32_t> material_of_triangle; ///< a row of `materials`; empty: the file has none
+  std::vector<render::ArtistMaterial> materials;
+  std::vector<render::Image> textures; ///< that materials name
 };
 
 /// The answer of an import process: a mesh, or why there is none. Little-endian, flat.

@@ -9,6 +9,7 @@
 
 #include "pipeline/assets/import_process.h"
 #include "pipeline/assets/import_protocol.h"
+#include "pipeline/assets/mesh_appearance.h"
 #include "sim/geometry/weld.h"
 #include "sim/scene/transform.h"
 
@@ -96,6 +97,12 @@ void note_findings(const geometry::WeldedMesh& welded, std::int64_t vertices, co
     notes.push_back(fmt::format("{} closed parts bound hollows inside others", oriented.cavities));
 }
 
+/// glTF stores colours of vertices as light, the others as they are shown.
+ColourCurve colour_curve(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  return extension.starts_with(".gl") || extension.starts_with(".GL") ? ColourCurve::linear : ColourCurve::srgb;
+}
+
 } // namespace
 
 Result<ImportedMesh> import_mesh(const std::string& path, const MeshImportOptions& options) {
@@ -115,7 +122,7 @@ Result<ImportedMesh> import_mesh(const std::string& path, const MeshImportOption
   if (!welded)
     return in_file(path, welded.error());
   ImportedMesh result;
-  result.notes = std::move(raw->notes);
+  result.notes = raw->notes;
   result.mesh = std::move(welded->mesh);
   if (result.mesh.triangles.rows() == 0)
     return make_error(ErrorCode::bad_input, "{}: none of its {} triangles has an area", path,
@@ -124,6 +131,7 @@ Result<ImportedMesh> import_mesh(const std::string& path, const MeshImportOption
   if (!oriented)
     return in_file(path, oriented.error());
   result.report = geometry::inspect_mesh(result.mesh);
+  result.appearance = make_appearance(*raw, result.mesh.triangles, welded->map, colour_curve(path));
   note_findings(*welded, raw->mesh.vertices.rows(), *oriented, result);
   if (options.closedness == Closedness::closed)
     if (Status status = geometry::check_closed(result.report, path); !status)

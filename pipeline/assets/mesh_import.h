@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/assets/sandbox.h"
+#include "render/mesh_appearance.h"
 #include "sim/base/result.h"
 #include "sim/geometry/axis.h"
 #include "sim/geometry/mesh_checks.h"
@@ -32,6 +33,7 @@ struct ImportedMesh {
   geometry::SurfaceMesh mesh;     ///< with vertex colours as attribute "colour", texture coordinates as "uv"
   geometry::MeshReport report;    ///< of `mesh`
   std::vector<std::string> notes; ///< what the user should know, a sentence each; the size in metres is the first
+  std::optional<render::MeshAppearance> appearance; ///< materials and pictures, when the file has any
 };
 
 /// Reads an artist's mesh (ply by our own reader; obj, stl, off, gltf, glb, fbx, 3ds, dae by assimp) in a process of

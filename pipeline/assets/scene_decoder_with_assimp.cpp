@@ -14,6 +14,8 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include "pipeline/assets/materials.h"
+
 namespace wry::pipeline {
 
 namespace {
@@ -207,6 +209,7 @@ private:
                             mesh.mNumVertices);
         m_raw.mesh.triangles(m_triangle, k) = static_cast<std::int32_t>(m_vertices + index);
       }
+      m_raw.material_of_triangle.push_back(static_cast<std::int32_t>(mesh.mMaterialIndex));
       ++m_triangle;
     }
     m_vertices += mesh.mNumVertices;
@@ -271,8 +274,14 @@ Result<RawMesh> decode_scene(const MeshFile& file) {
     if (!instances)
       return instances.error();
     Result<RawMesh> raw = Gatherer(*instances).gather();
-    if (raw)
+    if (raw) {
       note_units(*scene, raw->notes);
+      gather_materials(*scene, file, *raw);
+      const auto count = static_cast<std::int32_t>(raw->materials.size());
+      if (std::any_of(raw->material_of_triangle.begin(), raw->material_of_triangle.end(),
+                      [count](std::int32_t material) { return material < 0 || material >= count; }))
+        raw->material_of_triangle.clear();
+    }
     return raw;
   } catch (const std::exception& error) {
     return make_error(ErrorCode::bad_input, "{}", error.what());

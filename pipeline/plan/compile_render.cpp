@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pipeline/plan/compile_fem.h"
+#include "render/environment.h"
 
 namespace wry::pipeline {
 
@@ -14,16 +15,78 @@ namespace {
 // Reflectance of dielectrics in the renderer: specular 0.5 is 4 % at normal incidence.
 constexpr double SPECULAR_PER_REFLECTANCE = 0.5 / 0.04;
 
+/// A key that is given wins over the look to start from.
+template <class T> void take(T& into, const T& value, const shots::Source& source, bool has_start) {
+  if (!has_start || source.given())
+    into = value;
+}
+
 render::Look compile_look(const shots::Look& look) {
   render::Look compiled;
-  compiled.base_colour = linear_colour(*look.colour);
-  compiled.roughness = std::max(0.05f, static_cast<float>(*look.roughness));
-  compiled.metallic = static_cast<float>(*look.metallic);
-  compiled.specular = static_cast<float>(std::min(1.0, *look.specular * SPECULAR_PER_REFLECTANCE));
-  compiled.wrap = static_cast<float>(*look.wrap);
-  // Light that creeps through soft matter takes the colour of the matter.
-  compiled.scatter = compiled.base_colour / std::max(1e-3f, compiled.base_colour.maxCoeff());
+  const bool has_start = look.like.has_value();
+  if (has_start)
+    compiled = render::built_in_looks().at(**look.like);
+  const auto number = [&](float& into, const shots::Located<double>& key) {
+    take(into, static_cast<float>(*key), key.source, has_start);
+  };
+  take(compiled.base_colour, linear_colour(*look.colour), look.colour.source, has_start);
+  number(compiled.roughness, look.roughness);
+  number(compiled.metallic, look.metallic);
+  take(compiled.specular, static_cast<float>(std::min(1.0, *look.specular * SPECULAR_PER_REFLECTANCE)),
+       look.specular.source, has_start);
+  number(compiled.wrap, look.wrap);
+  number(compiled.clearcoat, look.clearcoat);
+  number(compiled.clearcoat_roughness, look.clearcoat_roughness);
+  number(compiled.transparency, look.transparency);
+  number(compiled.colour_variation, look.colour_variation);
+  number(compiled.size_variation, look.size_variation);
+  compiled.roughness = std::max(0.05f, compiled.roughness);
+  if (look.scatter)
+    compiled.scatter = linear_colour(**look.scatter);
+  else if (!has_start || look.colour.given()) // light that creeps through soft matter takes the colour of the matter
+    compiled.scatter = compiled.base_colour / std::max(1e-3f, compiled.base_colour.maxCoeff());
   return compiled;
+}
+
+Result<render::Rig> compile_rig(const shots::RenderOptions& asked) {
+  const shots::Lights& lights = asked.lights;
+  render::Rig rig = render::studio_rig();
+  if (*lights.rig == shots::LightRig::day)
+    rig = render::day_rig();
+  if (*lights.rig == shots::LightRig::image) {
+    if (!lights.image)
+      return make_error(ErrorCode::bad_input, "{}: rig = \"image\" needs image = \"a .hdr or .exr file\"",
+                        lights.rig.source.text());
+    const Result<render::LinearImage> image = render::read_light_image(**lights.image);
+    if (!image)
+      return at_source(lights.image->source, image.error());
+    Result<render::Rig> made = render::image_rig(*image);
+    if (!made)
+      return at_source(lights.image->source, made.error());
+    rig = std::move(*made);
+    if (*lights.show_image)
+      rig.backdrop = render::Rig::Backdrop::surroundings;
+  }
+  rig.turn_degrees = *lights.turn_deg;
+  rig.stops = *lights.stops;
+  if (lights.turn_with)
+    rig.turning = **lights.turn_with == "world" ? render::Rig::Turning::with_world : render::Rig::Turning::with_camera;
+  if (!*asked.shadows) {
+    for (render::Light& light : rig.lights)
+      light.shadow = render::Light::Shadow::none;
+  }
+  return rig;
+}
+
+render::Ground compile_ground(const shots::Shot& shot, std::optional<double> height) {
+  const shots::Ground& asked = shot.render.ground;
+  render::Ground ground;
+  ground.kind = !*asked.show          ? render::Ground::Kind::none
+                : *asked.catch_shadow ? render::Ground::Kind::catch_shadow
+                                      : render::Ground::Kind::studio;
+  ground.height = height;
+  ground.colour = linear_colour(*asked.colour);
+  return ground;
 }
 
 render::View compile_view(const shots::View& view, const ValueRange& range) {
@@ -40,17 +103,6 @@ render::View compile_view(const shots::View& view, const ValueRange& range) {
   style.unit = channel_unit(view.channel);
   render::View compiled = render::heat_view(style);
   compiled.name = view.name;
-  return compiled;
-}
-
-render::CameraPlan compile_camera(const shots::Camera& camera, const render::SubjectBounds& bounds) {
-  render::CameraPlan compiled;
-  compiled.lens_mm = *camera.lens;
-  compiled.azimuth_degrees = *camera.azimuth_deg;
-  compiled.elevation_degrees = *camera.elevation_deg;
-  compiled.margin = *camera.margin;
-  if (camera.position)
-    compiled.placed = render::PlacedCamera{**camera.position, camera.target ? **camera.target : bounds.centre()};
   return compiled;
 }
 
@@ -104,23 +156,33 @@ void dress_scene(const shots::Shot& shot, SceneStatic& scene) {
 }
 
 Result<render::RenderPlan> compile_render(const shots::Shot& shot, const SequenceFacts& facts,
-                                          render::GlBackend backend) {
+                                          const render::CameraPlan& camera, render::GlBackend backend) {
   render::RenderPlan plan;
   const shots::RenderOptions& asked = shot.render;
   plan.size = {static_cast<int>((*asked.size)[0]), static_cast<int>((*asked.size)[1])};
   plan.samples = static_cast<int>(*asked.samples);
   plan.up = axis_vector(*shot.shot.up);
-  plan.camera = compile_camera(asked.camera, facts.bounds);
+  plan.camera = camera;
+  if (*asked.camera.orbit_turns != 0.0) // the frame must hold from all around
+    plan.framing = render::Framing::orbit;
   plan.exposure_stops = *asked.exposure;
   plan.bounds = facts.bounds;
   plan.backend = backend;
-  plan.ground.kind = *asked.ground.show ? render::Ground::Kind::studio : render::Ground::Kind::none;
-  plan.ground.height = ground_height(shot);
-  plan.ground.colour = linear_colour(*asked.ground.colour);
-  if (!*asked.shadows) {
-    for (render::Light& light : plan.rig.lights)
-      light.shadow = render::Light::Shadow::none;
+  plan.ground = compile_ground(shot, ground_height(shot));
+  Result<render::Rig> rig = compile_rig(asked);
+  if (!rig)
+    return rig.error();
+  plan.rig = std::move(*rig);
+  if (asked.background.given()) {
+    plan.rig.backdrop = render::Rig::Backdrop::given;
+    plan.rig.given_backdrop = linear_colour(*asked.background);
   }
+  plan.fps = *shot.shot.fps;
+  plan.shutter = *asked.motion_blur;
+  plan.tone = *asked.filmic ? render::Tone::filmic : render::Tone::plain;
+  plan.bits = static_cast<int>(*asked.bits);
+  plan.background = *asked.alpha || *asked.ground.catch_shadow ? render::Background::clear : render::Background::drawn;
+  plan.data = asked.exr.empty() ? render::DataWanted::no : render::DataWanted::yes;
   plan.looks = render::built_in_looks();
   for (const shots::Look& look : shot.looks)
     plan.looks[*look.name] = compile_look(look);

@@ -23,7 +23,7 @@ struct SequenceFacts {
 
 /// Everything that the renderer needs, from the shot and the sequence. Errors: bad_input with the key's line.
 Result<render::RenderPlan> compile_render(const shots::Shot& shot, const SequenceFacts& facts,
-                                          render::GlBackend backend);
+                                          const render::CameraPlan& camera, render::GlBackend backend);
 
 /// Linear Rec. 709 from sRGB in 0..1.
 Eigen::Vector3f linear_colour(const Vec3& srgb);

@@ -27,6 +27,7 @@
   X(CREATESHADER, CreateShader)                                                                                        \
   X(CREATETEXTURES, CreateTextures)                                                                                    \
   X(CREATEVERTEXARRAYS, CreateVertexArrays)                                                                            \
+  X(CULLFACE, CullFace)                                                                                                \
   X(DELETEBUFFERS, DeleteBuffers)                                                                                      \
   X(DELETEFRAMEBUFFERS, DeleteFramebuffers)                                                                            \
   X(DELETEPROGRAM, DeleteProgram)                                                                                      \
@@ -37,11 +38,13 @@
   X(DEPTHFUNC, DepthFunc)                                                                                              \
   X(DEPTHMASK, DepthMask)                                                                                              \
   X(DISABLE, Disable)                                                                                                  \
+  X(DISABLEVERTEXARRAYATTRIB, DisableVertexArrayAttrib)                                                                \
   X(DRAWARRAYS, DrawArrays)                                                                                            \
   X(DRAWELEMENTS, DrawElements)                                                                                        \
   X(ENABLE, Enable)                                                                                                    \
   X(ENABLEVERTEXARRAYATTRIB, EnableVertexArrayAttrib)                                                                  \
   X(FINISH, Finish)                                                                                                    \
+  X(GENERATETEXTUREMIPMAP, GenerateTextureMipmap)                                                                      \
   X(GETERROR, GetError)                                                                                                \
   X(GETINTEGERV, GetIntegerv)                                                                                          \
   X(GETPROGRAMINFOLOG, GetProgramInfoLog)                                                                              \

@@ -19,10 +19,13 @@ uniform float weight;
 uniform float noise_turn;
 
 uniform vec3 ground_colour;
+uniform int catch_shadow;
+uniform int show_around;
 
 uniform vec4 look_base[64];    // base colour, roughness
 uniform vec4 look_layers[64];  // metallic, specular, clearcoat, clearcoat roughness
 uniform vec4 look_scatter[64]; // scatter colour, wrap
+uniform vec4 look_clear[64];   // transparency
 
 uniform vec4 light_directions[4];
 uniform vec4 light_radiances[4];
@@ -31,6 +34,15 @@ uniform vec3 floor_others; // of the lights without shadows
 uniform vec3 sky;
 uniform vec3 bounce;
 uniform vec3 backdrop;
+
+#ifdef ENVIRONMENT
+uniform vec4 matt_harmonics[9];
+uniform sampler2D mirrored_map;
+uniform vec3 around_x; // axes of the picture of the surroundings
+uniform vec3 around_y;
+uniform vec3 around_z;
+uniform float backdrop_level; // of the mirrored map
+#endif
 
 uniform float shadow_share;
 uniform float occlusion_share; // 0: everything is open
@@ -60,6 +72,44 @@ float key_visibility(vec3 position, vec3 normal, vec2 blockers) {
 }
 )";
 
+const char* const AROUND = R"(
+#ifdef ENVIRONMENT
+// What a white matt surface sends back of the sky and of the light from below.
+vec3 matt_around(vec3 n) {
+  vec3 d = vec3(dot(n, around_x), dot(n, around_y), dot(n, around_z));
+  vec3 sum = matt_harmonics[0].rgb * 0.282095 +
+             0.488603 * (matt_harmonics[1].rgb * d.y + matt_harmonics[2].rgb * d.z + matt_harmonics[3].rgb * d.x) +
+             1.092548 * (matt_harmonics[4].rgb * (d.x * d.y) + matt_harmonics[5].rgb * (d.y * d.z) +
+                         matt_harmonics[7].rgb * (d.x * d.z)) +
+             matt_harmonics[6].rgb * (0.315392 * (3.0 * d.z * d.z - 1.0)) +
+             matt_harmonics[8].rgb * (0.546274 * (d.x * d.x - d.y * d.y));
+  return max(sum, 0.0);
+}
+
+vec3 mirrored_at(vec2 place, float level) {
+  const float HEIGHT = 64.0;
+  float row = clamp(place.y * HEIGHT, 0.5, HEIGHT - 0.5) + level * HEIGHT;
+  return textureLod(mirrored_map, vec2(place.x, row / (6.0 * HEIGHT)), 0.0).rgb;
+}
+
+// The surroundings, blurred as far as the surface is rough.
+vec3 surroundings(vec3 direction, float roughness) {
+  vec3 d = vec3(dot(direction, around_x), dot(direction, around_y), dot(direction, around_z));
+  vec2 place = vec2(atan(d.x, d.z) / (2.0 * PI) + 0.5, acos(clamp(d.y, -1.0, 1.0)) / PI);
+  float level = clamp(roughness, 0.0, 1.0) * 5.0;
+  return mix(mirrored_at(place, floor(level)), mirrored_at(place, ceil(level)), fract(level));
+}
+#else
+vec3 matt_around(vec3 n) { return mix(bounce, sky, 0.5 + 0.5 * dot(n, world_up)); }
+
+// The sky and the light from below, blurred as far as the surface is rough.
+vec3 surroundings(vec3 direction, float roughness) {
+  float width = 0.15 + 0.85 * roughness;
+  return mix(bounce, sky, smoothstep(-width, width, dot(direction, world_up)));
+}
+#endif
+)";
+
 const char* const MATERIAL = R"(
 struct Surface {
   vec3 base;
@@ -84,12 +134,6 @@ float ggx(float alpha, float nl, float nv, float nh) {
   return 0.5 * a2 / max(d * d * smith, 1e-7); // the 1/pi of D is the pi of radiance per white matt surface
 }
 
-// The sky and the light from below, blurred as far as the surface is rough.
-vec3 surroundings(vec3 direction, float roughness) {
-  float width = 0.15 + 0.85 * roughness;
-  return mix(bounce, sky, smoothstep(-width, width, dot(direction, world_up)));
-}
-
 vec3 shade(Surface s, vec3 n, vec3 v, float key, float ambient) {
   float nv = max(dot(n, v), 1e-3);
   vec3 f0 = mix(vec3(0.08 * s.specular), s.base, s.metallic);
@@ -108,8 +152,7 @@ vec3 shade(Surface s, vec3 n, vec3 v, float key, float ambient) {
   vec3 own = s.base * (1.0 - s.metallic);
   vec3 open = max(vec3(ambient), ((ambient * (2.0404 * own - 0.3324) - 4.7951 * own + 0.6417) * ambient +
                                   2.7552 * own + 0.6903) * ambient);
-  float up = 0.5 + 0.5 * dot(n, world_up);
-  vec3 from_around = matt * mix(bounce, sky, up) * open;
+  vec3 from_around = matt * matt_around(n) * open;
   vec3 r = reflect(-v, n);
   float mirror_open = clamp((nv + ambient) * (nv + ambient) - 1.0 + ambient, 0.0, 1.0);
   from_around += mirrored * surroundings(r, s.roughness) * mirror_open;
@@ -156,10 +199,18 @@ vec3 heat_shade(uint code, vec3 n, vec3 v, float key, float ambient) {
   return colour * form * mix(0.6, 1.0, ambient);
 }
 
-Surface surface_of(uint look, float line) {
+Surface surface_of(uint word) {
+  uint look = (word >> 24) - 1u;
+  vec3 payload = vec3((word >> 16) & 255u, (word >> 8) & 255u, word & 255u) / 255.0;
   vec4 base = look_base[look];
   vec4 layers = look_layers[look];
   vec4 scatter = look_scatter[look];
+#ifdef TINTED
+  base.rgb *= payload * payload;
+  float line = 0.0;
+#else
+  float line = payload.x;
+#endif
   return Surface(mix(base.rgb, vec3(0.02), 0.85 * line), base.a, layers.x, layers.y * (1.0 - line),
                  scatter.rgb * scatter.a, layers.z * (1.0 - line), layers.w);
 }
@@ -179,7 +230,7 @@ void main() {
 #ifdef HEAT
   vec3 lit = heat_shade(surface.x & 65535u, n, v, key, ambient);
 #else
-  vec3 lit = shade(surface_of((surface.x >> 24) - 1u, float((surface.x >> 16) & 255u) / 255.0), n, v, key, ambient);
+  vec3 lit = shade(surface_of(surface.x), n, v, key, ambient);
 #endif
   light_out = vec4(min(lit, vec3(64.0)), 1.0) * weight;
 })";
@@ -208,26 +259,104 @@ void main() {
   float ambient = 1.0;
 #endif
   vec3 light = sky * ambient + floor_key * key + floor_others * mix(0.35, 1.0, ambient);
+#ifdef CLEAR
+  // Nothing but the share of light that the subject keeps from the floor, if that is asked for.
+  vec3 open = sky + floor_key + floor_others;
+  float kept = dot(light, vec3(0.2126, 0.7152, 0.0722)) / max(dot(open, vec3(0.2126, 0.7152, 0.0722)), 1e-6);
+  light_out = vec4(vec3(0.0), floor_seen && catch_shadow != 0 ? clamp(1.0 - kept, 0.0, 1.0) : 0.0) * weight;
+#else
   float rise = dot(ray, world_up) * inversesqrt(dot(ray, ray));
+#ifdef ENVIRONMENT
+  vec3 direction = normalize(ray);
+  vec3 level = normalize(direction - world_up * (rise - 0.01));
+  vec3 behind = show_around != 0 ? surroundings(direction, backdrop_level) : backdrop;
+  vec3 far = show_around != 0 ? surroundings(floor_seen ? level : direction, 0.4) : backdrop;
+  vec3 flat_place = position - world_up * dot(position, world_up);
+  float away = smoothstep(5.0, 45.0, length(flat_place) / scene_radius);
+  vec3 lit = floor_seen ? mix(ground_colour * light, far, away) : mix(far, behind, smoothstep(0.0, 0.12, rise));
+  light_out = vec4(lit, 0.0) * weight;
+#else
   float high = has_ground != 0 ? mix(POOL_EDGE, 0.30, smoothstep(0.0, 0.7, rise)) : 1.0;
   light_out = vec4(floor_seen ? ground_colour * light * pool(position) : backdrop * high, 0.0) * weight;
+#endif
+#endif
+})";
+
+const char* const CLEAR_VERTEX = R"(#version 450 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in uint look;
+layout(location = 5) in vec3 velocity;
+uniform mat4 clip_from_world;
+uniform float seconds;
+out vec3 place;
+out vec3 corner_normal;
+flat out uint look_row;
+void main() {
+  place = position + velocity * seconds;
+  gl_Position = clip_from_world * vec4(place, 1.0);
+  corner_normal = normal;
+  look_row = look & 255u;
+})";
+
+const char* const CLEAR_MAIN = R"(
+in vec3 place;
+in vec3 corner_normal;
+flat in uint look_row;
+void main() {
+  vec4 base = look_base[look_row];
+  float clear = look_clear[look_row].x;
+  vec3 v = normalize(eye - place);
+  vec3 n = normalize(corner_normal);
+  n = dot(n, v) < 0.0 ? -n : n;
+  float nv = max(dot(n, v), 0.02);
+  float away = 1.0 - nv;
+  float away2 = away * away;
+  float fresnel = 0.04 + 0.96 * away2 * away2 * away;
+  vec3 added = fresnel * surroundings(reflect(-v, n), base.a);
+  float alpha = max(base.a * base.a, 0.003);
+  for (int i = 0; i < LIGHT_COUNT; ++i) {
+    vec3 l = light_directions[i].xyz;
+    float nl = max(dot(n, l), 0.0);
+    vec3 h = normalize(l + v);
+    float back = 1.0 - max(dot(v, h), 0.0);
+    float f = 0.04 + 0.96 * back * back * back * back * back;
+    added += light_radiances[i].rgb * f * ggx(min(alpha + 0.5 * light_directions[i].w, 1.0), nl, nv, max(dot(n, h), 0.0)) * nl;
+  }
+  // The longer way through a wall seen along it takes more of the light.
+  float taken = mix(0.05, 0.45, away2 * away) * (2.0 - dot(base.rgb, vec3(1.0 / 3.0)));
+  float opacity = clamp(max(fresnel, taken) + (1.0 - clear), 0.0, 1.0);
+  vec3 body = base.rgb * matt_around(n) * (opacity - fresnel > 0.0 ? opacity - fresnel : 0.0);
+  light_out = vec4(min(added + 0.5 * body, vec3(64.0)) * weight, opacity);
 })";
 
 /// Counts are constants of the program: llvmpipe runs a loop of unknown length several times slower.
-std::string beginning(const LightState& lights, const char* variant) {
-  return fmt::format("#version 450 core\n#define LIGHT_COUNT {}\n#define SHADOWED {}\n{}", lights.count,
-                     lights.shadowed, variant) +
-         CAMERA_PART + SHADOW_SPACE_PART + DECLARATIONS + SHADOW;
+std::string beginning(const RenderPlan& plan, const LightState& lights, const char* variant) {
+  return fmt::format("#version 450 core\n#define LIGHT_COUNT {}\n#define SHADOWED {}\n{}{}{}", lights.count,
+                     lights.shadowed, variant, plan.rig.surroundings ? "#define ENVIRONMENT\n" : "",
+                     plan.background == Background::clear ? "#define CLEAR\n" : "") +
+         CAMERA_PART + SHADOW_SPACE_PART + DECLARATIONS + SHADOW + AROUND;
 }
 
 } // namespace
 
-std::string subject_fragment_shader(const LightState& lights, Colouring colouring) {
-  return beginning(lights, colouring == Colouring::heat ? "#define HEAT\n" : "") + MATERIAL + SUBJECT_MAIN;
+std::string subject_fragment_shader(const RenderPlan& plan, const LightState& lights, Colouring colouring) {
+  const char* variant = colouring == Colouring::heat   ? "#define HEAT\n"
+                        : colouring == Colouring::look ? "#define TINTED\n"
+                                                       : "";
+  return beginning(plan, lights, variant) + MATERIAL + SUBJECT_MAIN;
 }
 
-std::string surround_fragment_shader(const LightState& lights, Surround surround) {
-  return beginning(lights, surround == Surround::touched ? "#define TOUCHED\n" : "") + SURROUND_MAIN;
+std::string clear_vertex_shader() {
+  return CLEAR_VERTEX;
+}
+
+std::string clear_fragment_shader(const RenderPlan& plan, const LightState& lights) {
+  return beginning(plan, lights, "") + MATERIAL + CLEAR_MAIN;
+}
+
+std::string surround_fragment_shader(const RenderPlan& plan, const LightState& lights, Surround surround) {
+  return beginning(plan, lights, surround == Surround::touched ? "#define TOUCHED\n" : "") + SURROUND_MAIN;
 }
 
 } // namespace wry::render

@@ -64,17 +64,20 @@ Eigen::Vector3f floor_light(const RenderPlan& plan, Light::Shadow shadow) {
 
 LightState light_state(const RenderPlan& plan, double camera_azimuth_degrees, int index, int count) {
   LightState state;
+  // The filter fills in what two sub-frames would see of the light's disc, unless the scene moves between them.
+  state.frames_per_map = count >= 4 && !(plan.shutter > 0.0) ? 2 : 1;
+  const int maps = (count + state.frames_per_map - 1) / state.frames_per_map;
   state.directions.setZero();
   state.radiances.setZero();
   for (const Light& light : plan.rig.lights) {
     const double spread = std::tan(light.angular_radius_degrees * DEGREE);
     Mat3 axes = axes_of_light(direction_to_light(light, plan.rig, plan.up, camera_azimuth_degrees));
     if (light.shadow == Light::Shadow::mapped) {
-      const Eigen::Vector2d on_disc = spread * disc_point(index, count);
+      const Eigen::Vector2d on_disc = spread * disc_point(index / state.frames_per_map, maps);
       axes = axes_of_light(axes * Vec3(on_disc.x(), on_disc.y(), 1.0));
       fit_shadow_map(plan, axes, state);
       state.shadow_spread = static_cast<float>(spread);
-      state.shadow_share = static_cast<float>(1.0 / std::sqrt(static_cast<double>(count)));
+      state.shadow_share = static_cast<float>(1.0 / std::sqrt(static_cast<double>(maps)));
       state.shadowed = state.count;
     }
     const Eigen::Vector3f towards = axes.col(2).cast<float>();
@@ -83,9 +86,14 @@ LightState light_state(const RenderPlan& plan, double camera_azimuth_degrees, in
     state.radiances.col(state.count) = column(light.radiance, light.shadow == Light::Shadow::mapped ? 1.f : 0.f);
     ++state.count;
   }
-  state.sky = plan.rig.sky;
-  state.floor_key = floor_light(plan, Light::Shadow::mapped);
-  state.floor_others = floor_light(plan, Light::Shadow::none);
+  state.gain = static_cast<float>(std::exp2(plan.rig.stops));
+  state.radiances.topRows<3>() *= state.gain;
+  const double turned =
+      (plan.rig.turning == Rig::Turning::with_camera ? camera_azimuth_degrees : 0.0) + plan.rig.turn_degrees;
+  state.around = (world_frame(plan.up) * Eigen::AngleAxisd(turned * DEGREE, Vec3::UnitY())).cast<float>();
+  state.sky = state.gain * plan.rig.sky;
+  state.floor_key = state.gain * floor_light(plan, Light::Shadow::mapped);
+  state.floor_others = state.gain * floor_light(plan, Light::Shadow::none);
   const Eigen::Vector3f floor = plan.ground.colour.cwiseProduct(state.sky + state.floor_key + state.floor_others);
   state.bounce = 0.8f * floor;
   if (plan.rig.bounce == Rig::Bounce::given)

@@ -17,12 +17,15 @@ struct LightState {
   Eigen::Vector3f sky;
   Eigen::Vector3f bounce;
   Eigen::Vector3f backdrop;
-  Eigen::Vector3f floor_key;    ///< what the shadowed light makes a level white floor send back
-  Eigen::Vector3f floor_others; ///< what the other lights do
+  float gain = 1.f;                                     ///< 2^stops of the rig
+  Eigen::Matrix3f around = Eigen::Matrix3f::Identity(); ///< columns: axes of the picture of the surroundings
+  Eigen::Vector3f floor_key;                            ///< what the shadowed light makes a level white floor send back
+  Eigen::Vector3f floor_others;                         ///< what the other lights do
 
   Eigen::Matrix4f clip_from_world_shadow = Eigen::Matrix4f::Identity();
   Eigen::Matrix4f light_from_world =
       Eigen::Matrix4f::Identity(); ///< rows: the light's right, up, towards-light axes [m]
+  int frames_per_map = 1;          ///< consecutive sub-frames that share one shadow map
   float shadow_extent = 1.f;       ///< side of the square that the shadow map covers [m]
   float shadow_depth = 1.f;        ///< its reach along the light [m]
   float shadow_spread = 0.f;       ///< tangent of the light's angular radius

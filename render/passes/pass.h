@@ -1,11 +1,13 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "render/drawable_scene.h"
 #include "render/gl/gl_objects.h"
+#include "render/grain_shapes.h"
 #include "render/passes/light_state.h"
 #include "render/passes/touched_rect.h"
 
@@ -24,31 +26,68 @@ struct Targets {
   GlObject depth;        ///< near_distance / distance along the view axis; 0 is nothing
   GlObject shadow;       ///< the key light's depth map of this sub-frame
   GlObject occlusion;    ///< RGBA8: ambient visibility, distance of blockers of the key light, share of blockers
+  GlObject light;        ///< this sub-frame's alone, where bodies are transparent; else absent
   GlObject accumulation; ///< sum of the sub-frames' linear light, and of coverage
-  GlObject display;      ///< RGBA8
+  GlObject display;      ///< RGBA8 or RGBA16
   GlObject surface_frame;
   GlObject shadow_frame;
+  GlObject light_frame;
   GlObject accumulation_frame;
   GlObject display_frame;
 };
 
 /// Errors: unavailable, or out_of_memory when the size is beyond what OpenGL gives.
-Result<Targets> make_targets(const GlFunctions& gl, const ImageSize& size);
+Result<Targets> make_targets(const GlFunctions& gl, const RenderPlan& plan);
 
-/// The triangles of the current picture on the graphics side.
+/// The triangles and grains of the current picture on the graphics side.
 class Geometry {
 public:
-  explicit Geometry(const GlFunctions& gl);
+  Geometry(const GlFunctions& gl, const std::vector<Image>& textures);
   void upload(const DrawList& list);
+  bool has_triangles() const { return m_count > 0; }
+  /// All triangles that are not transparent; draw_textured() through `bind` for each run of one picture (0: none).
   void draw() const;
+  void draw_clear() const; ///< the transparent ones
+  bool has_clear() const { return m_clear_count > 0; }
+  void draw_textured(const std::function<void(GLuint)>& bind) const;
+  bool is_textured() const { return !m_ranges.empty(); }
+
+  /// Grains as seen from the eye and from the key light. Call both before a sub-frame's passes; what has not moved is
+  /// kept.
+  void face_eye(const Eigen::Vector3f& eye, float seconds);
+  void face_light(const Eigen::Vector3f& towards, float seconds);
+  bool has_clouds() const { return !m_clouds.empty(); }
+  /// Gives the grains, as they face the eye, their velocity and body, for the data pass.
+  void attach_grain_data();
+  void draw_boxes() const;    ///< normals flat, from the last vertex
+  void draw_rounds() const;   ///< normals smooth
+  void draw_outlines() const; ///< for the shadow map: positions alone
 
 private:
+  void upload_triangles(const DrawList& list);
+  /// The pattern of one shape over and over, as long as `count` shapes need it.
+  void grow_pattern(const GlObject& buffer, std::span<const std::uint32_t> pattern, std::uint32_t vertices,
+                    std::size_t count, std::size_t& held);
+
   const GlFunctions& m_gl;
-  GlObject m_vertices;
-  GlObject m_indices;
-  GlObject m_array;
-  GLsizei m_count = 0;
+  GlObject m_vertices, m_indices, m_velocities, m_uvs, m_array;
+  GLsizei m_count = 0, m_clear_count = 0;
   bool m_indexed = false;
+  std::vector<GlObject> m_textures;
+  std::vector<TexturedRange> m_ranges;
+
+  std::vector<DrawCloud> m_clouds;
+  GlObject m_boxes, m_box_indices, m_box_array;
+  GlObject m_rounds, m_round_indices, m_round_array;
+  GlObject m_box_data, m_round_data;
+  GlObject m_outlines, m_outline_indices, m_outline_array;
+  GLsizei m_box_count = 0, m_round_count = 0, m_outline_count = 0;
+  std::size_t m_box_pattern = 0, m_outline_pattern = 0;
+  std::vector<GrainVertex> m_box_vertices;
+  GrainTriangles m_round_triangles;
+  std::vector<std::array<float, 3>> m_outline_vertices;
+  float m_eye_seconds = 0.f, m_light_seconds = 0.f;
+  bool m_eye_ready = false, m_light_ready = false;
 };
 
 /// One of the jittered pictures whose mean is the picture.
@@ -58,6 +97,7 @@ struct SubFrame {
   const View* view = nullptr;
   Camera camera;          ///< relative to the centre of the bounds
   Eigen::Vector2f jitter; ///< shift of the picture [ndc]
+  float seconds = 0.f;    ///< when within the exposure, from its middle [s]
   Eigen::Matrix4f clip_from_world;
   float scene_radius = 1.f;  ///< [m]
   float ground_height = 0.f; ///< along up, relative to the centre of the bounds [m]
@@ -85,7 +125,7 @@ enum class PassRate { sub_frame, first_sub_frame, last_sub_frame };
 /// One line of the table of passes, drawn in the table's order.
 struct PassEntry {
   const char* name;
-  PassRate rate;
+  PassRate (*rate)(const RenderPlan& plan);
   /// Whether a view by this plan needs the pass at all.
   bool (*needed)(const RenderPlan& plan, const View& view);
   Result<std::unique_ptr<Pass>> (*create)(const PassResources& resources);

@@ -22,12 +22,26 @@ bool has_occlusion(const RenderPlan& plan, const View& view) {
   return plan.rig.occlusion == Rig::Occlusion::near_by || has_mapped_shadow(plan, view);
 }
 
+PassRate each(const RenderPlan&) {
+  return PassRate::sub_frame;
+}
+
+PassRate once_at_the_end(const RenderPlan&) {
+  return PassRate::last_sub_frame;
+}
+
+/// Once a picture is enough while the picture stands still; what moves or is out of focus needs its own each time.
+PassRate occlusion_rate(const RenderPlan& plan) {
+  const bool blurred = plan.samples > 1 && (plan.shutter > 0.0 || plan.camera.f_stop.has_value());
+  return blurred ? PassRate::sub_frame : PassRate::first_sub_frame;
+}
+
 constexpr std::array PASSES = {
-    PassEntry{"shadow", PassRate::sub_frame, has_mapped_shadow, create_shadow_pass},
-    PassEntry{"surface", PassRate::sub_frame, always, create_surface_pass},
-    PassEntry{"occlusion", PassRate::first_sub_frame, has_occlusion, create_occlusion_pass},
-    PassEntry{"light", PassRate::sub_frame, always, create_light_pass},
-    PassEntry{"tone", PassRate::last_sub_frame, always, create_tone_pass},
+    PassEntry{"shadow", each, has_mapped_shadow, create_shadow_pass},
+    PassEntry{"surface", each, always, create_surface_pass},
+    PassEntry{"occlusion", occlusion_rate, has_occlusion, create_occlusion_pass},
+    PassEntry{"light", each, always, create_light_pass},
+    PassEntry{"tone", once_at_the_end, always, create_tone_pass},
 };
 
 } // namespace

@@ -77,7 +77,7 @@ void set_camera_part(const Program& program, const SubFrame& sub_frame, const Re
   program.set("near_distance", static_cast<float>(camera.near_distance));
   program.set("world_up", vector(plan.up));
   program.set("scene_radius", sub_frame.scene_radius);
-  program.set("has_ground", plan.ground.kind == Ground::Kind::studio ? 1 : 0);
+  program.set("has_ground", plan.ground.kind != Ground::Kind::none ? 1 : 0);
   program.set("ground_height", sub_frame.ground_height);
 }
 

@@ -5,20 +5,34 @@ namespace {
 
 const char* const VERTEX_SHADER = R"(#version 450 core
 layout(location = 0) in vec3 position;
+layout(location = 5) in vec3 velocity; // grains come already moved: theirs reads as zero
 uniform mat4 clip_from_world;
-void main() { gl_Position = clip_from_world * vec4(position, 1.0); })";
+uniform float seconds;
+void main() { gl_Position = clip_from_world * vec4(position + velocity * seconds, 1.0); })";
 
-const char* const FRAGMENT_SHADER = R"(#version 450 core
-void main() {})";
+const char* const FRAGMENT_SHADER = R"(#ifdef CLEAR
+// A transparent body lets most of the light pass: one texel of four stops it, which the filter makes even.
+void main() {
+  ivec2 texel = ivec2(gl_FragCoord.xy);
+  if (((texel.x & 1) | (texel.y & 1)) != 0)
+    discard;
+}
+#else
+void main() {}
+#endif
+)";
 
 /// Depth of the scene as the key light sees it, nearest first.
 class ShadowPass final : public Pass {
 public:
-  ShadowPass(const PassResources& resources, Program program)
+  ShadowPass(const PassResources& resources, Program program, Program clear)
       : m_resources(resources)
-      , m_program(std::move(program)) {}
+      , m_program(std::move(program))
+      , m_clear(std::move(clear)) {}
 
   void draw(const SubFrame& sub_frame) override {
+    if (sub_frame.index % sub_frame.lights.frames_per_map != 0)
+      return;
     const GlFunctions& gl = m_resources.gl;
     const GLuint frame = m_resources.targets.shadow_frame.name();
     const float farthest = 1.f;
@@ -30,21 +44,36 @@ public:
     gl.Disable(GL_BLEND);
     m_program.use();
     m_program.set("clip_from_world", sub_frame.lights.clip_from_world_shadow);
+    m_program.set("seconds", sub_frame.seconds);
     m_resources.geometry.draw();
+    if (m_resources.geometry.has_clouds())
+      m_resources.geometry.draw_outlines();
+    if (!m_resources.geometry.has_clear())
+      return;
+    m_clear.use();
+    m_clear.set("clip_from_world", sub_frame.lights.clip_from_world_shadow);
+    m_clear.set("seconds", sub_frame.seconds);
+    m_resources.geometry.draw_clear();
   }
 
 private:
   PassResources m_resources;
   Program m_program;
+  Program m_clear;
 };
 
 } // namespace
 
 Result<std::unique_ptr<Pass>> create_shadow_pass(const PassResources& resources) {
-  Result<Program> program = Program::create(resources.gl, "shadow", VERTEX_SHADER, FRAGMENT_SHADER);
+  const std::string begin = "#version 450 core\n";
+  Result<Program> program = Program::create(resources.gl, "shadow", VERTEX_SHADER, begin + FRAGMENT_SHADER);
   if (!program.ok())
     return program.error();
-  return std::unique_ptr<Pass>(std::make_unique<ShadowPass>(resources, std::move(*program)));
+  Result<Program> clear =
+      Program::create(resources.gl, "clear shadow", VERTEX_SHADER, begin + "#define CLEAR\n" + FRAGMENT_SHADER);
+  if (!clear.ok())
+    return clear.error();
+  return std::unique_ptr<Pass>(std::make_unique<ShadowPass>(resources, std::move(*program), std::move(*clear)));
 }
 
 } // namespace wry::render

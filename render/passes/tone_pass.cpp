@@ -13,6 +13,8 @@ const char* const FRAGMENT_SHADER = R"(#version 450 core
 uniform sampler2D accumulation;
 uniform float exposure;
 uniform int filmic;
+uniform int straight;
+uniform float grain; // one step of the picture's depth
 layout(location = 0) out vec4 display;
 
 const float BLACK_STOPS = -10.0;
@@ -53,10 +55,11 @@ float noise(vec2 p) { return fract(52.9829189 * fract(dot(p, vec2(0.06711056, 0.
 
 void main() {
   vec4 light = texelFetch(accumulation, ivec2(gl_FragCoord.xy), 0);
-  vec3 colour = max(light.rgb, 0.0) * exposure;
+  float cover = straight != 0 && light.a > 0.0 ? 1.0 / light.a : 1.0; // straight alpha: the colour without its share
+  vec3 colour = max(light.rgb, 0.0) * exposure * cover;
   vec3 encoded = filmic != 0 ? filmic_curve(colour) : srgb_curve(colour);
   vec3 dither = vec3(noise(gl_FragCoord.xy), noise(gl_FragCoord.xy + 47.0), noise(gl_FragCoord.xy + 89.0)) - 0.5;
-  display = vec4(encoded + dither / 255.0, light.a);
+  display = vec4(encoded + dither * grain, light.a);
 })";
 
 class TonePass final : public Pass {
@@ -75,9 +78,13 @@ public:
     gl.BindTextureUnit(0, targets.accumulation.name());
     m_program.use();
     m_program.set("accumulation", 0);
-    const bool filmic = sub_frame.view->tone == Tone::filmic;
-    m_program.set("exposure", filmic ? static_cast<float>(std::exp2(m_resources.plan.exposure_stops)) : 1.f);
+    const bool filmic = sub_frame.view->tone == Tone::filmic && m_resources.plan.tone == Tone::filmic;
+    m_program.set("exposure", sub_frame.view->tone == Tone::filmic
+                                  ? static_cast<float>(std::exp2(m_resources.plan.exposure_stops))
+                                  : 1.f);
     m_program.set("filmic", filmic ? 1 : 0);
+    m_program.set("straight", m_resources.plan.background == Background::clear ? 1 : 0);
+    m_program.set("grain", m_resources.plan.bits == 16 ? 1.f / 65535.f : 1.f / 255.f);
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
   }
 

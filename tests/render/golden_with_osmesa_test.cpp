@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -6,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "render/environment.h"
 #include "render/png.h"
 #include "tests/render/pictures_support.h"
 #include "tests/render/shapes_support.h"
@@ -59,18 +61,16 @@ Difference difference(const Image& a, const Image& b) {
 /// Exact on the Mesa that drew the golden picture, close on any other. WRY_UPDATE_GOLDEN=1 writes the pictures anew.
 class Golden : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(Golden, StillLifeLooksAsItDid) {
-  const MeshScene scene = still_life();
-  Result<Renderer> renderer = Renderer::create(still_life_plan(scene), scene.scene);
+void expect_golden(const std::string& name, const MeshScene& scene, const RenderPlan& plan, const std::string& view) {
+  Result<Renderer> renderer = Renderer::create(plan, scene.scene);
   ASSERT_TRUE(renderer.ok()) << renderer.error().message;
   Picture picture;
-  picture.view = GetParam();
+  picture.view = view;
   const Result<Image> image = renderer->draw(scene.frame, picture);
   ASSERT_TRUE(image.ok()) << image.error().message;
   const GlVersion& version = renderer->gl_version();
   const std::string drawn_by = version.version + ", " + version.renderer;
-  const std::filesystem::path path =
-      std::filesystem::path(WRY_TEST_DATA) / "golden" / (std::string("render_") + GetParam() + ".png");
+  const std::filesystem::path path = std::filesystem::path(WRY_TEST_DATA) / "golden" / ("render_" + name + ".png");
   if (std::getenv("WRY_UPDATE_GOLDEN") != nullptr) {
     PngSettings small;
     small.compression = 12;
@@ -91,6 +91,53 @@ TEST_P(Golden, StillLifeLooksAsItDid) {
     EXPECT_LT(apart.mean, 1.0);
     EXPECT_LT(apart.far_off, 0.005);
   }
+}
+
+TEST_P(Golden, StillLifeLooksAsItDid) {
+  const MeshScene scene = still_life();
+  expect_golden(GetParam(), scene, still_life_plan(scene), GetParam());
+}
+
+TEST(GoldenScene, StrawsByDay) {
+  const MeshScene scene = testing::heap(300, {GrainShape::straw, Vec3(1, 1, 7)}, "straw");
+  RenderPlan plan = testing::small_plan(scene);
+  plan.rig = day_rig();
+  expect_golden("straws-by-day", scene, plan, "beauty");
+}
+
+TEST(GoldenScene, DirectorsOnClay) {
+  MeshScene scene = make_mesh_scene(testing::torus(Vec3(0, .35, 0), .8, .35, 24, 12), "torus", "rubber");
+  Channel rotation{"microrotation", ChannelOn::vertex, 4, ChannelStorage::float32, {}};
+  for (Eigen::Index i = 0; i < scene.scene.bodies[0].rest_positions.rows(); ++i) {
+    const double half = 0.4 * scene.scene.bodies[0].rest_positions(i, 0);
+    rotation.values.insert(rotation.values.end(), {std::cos(half), 0.0, std::sin(half), 0.0});
+  }
+  scene.frame.bodies[0].channels.push_back(rotation);
+  expect_golden("directors", scene, testing::small_plan(scene), "directors");
+}
+
+TEST(GoldenScene, ShadowCaughtInAlpha) {
+  MeshScene scene = still_life();
+  RenderPlan plan = still_life_plan(scene);
+  plan.ground.kind = Ground::Kind::catch_shadow;
+  plan.background = Background::clear;
+  expect_golden("caught-shadow", scene, plan, "beauty");
+}
+
+TEST(GoldenScene, LensAndShutter) {
+  MeshScene scene = still_life();
+  for (std::size_t b = 0; b < scene.scene.bodies.size(); ++b) {
+    const auto rows = static_cast<std::size_t>(scene.scene.bodies[b].rest_positions.rows());
+    Channel velocity{"velocity", ChannelOn::vertex, 3, ChannelStorage::float32, std::vector<double>(3 * rows, 0.0)};
+    for (std::size_t i = 0; b == 1 && i < rows; ++i)
+      velocity.values[3 * i + 1] = -12.0;
+    scene.frame.bodies[b].channels.push_back(velocity);
+  }
+  RenderPlan plan = still_life_plan(scene);
+  plan.samples = 16;
+  plan.shutter = 0.5;
+  plan.camera.f_stop = 0.15;
+  expect_golden("lens-and-shutter", scene, plan, "beauty");
 }
 
 INSTANTIATE_TEST_SUITE_P(Views, Golden, ::testing::Values("beauty", "clay", "wire", "heat-height"),

@@ -1,7 +1,9 @@
 #include "tests/render/shapes_support.h"
 
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
+#include <random>
 
 namespace wry::render::testing {
 namespace {
@@ -84,6 +86,40 @@ geometry::SurfaceMesh box(const Vec3& low, const Vec3& high) {
   mesh.triangles << 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5,
       3, 7, 5;
   return mesh;
+}
+
+MeshScene heap(int count, const Grain& grain, const std::string& look) {
+  MeshScene made;
+  SceneBody body;
+  body.name = "heap";
+  body.kind = BodyKind::particles;
+  body.look = look;
+  body.grain = grain;
+  constexpr double HEIGHT = 0.45;
+  const double volume = PI * 0.25 * HEIGHT / 3.0;
+  body.grain.size *= std::cbrt(0.5 * volume / count / grain.size.prod());
+  Channel position{"position", ChannelOn::particle, 3, ChannelStorage::float32, {}};
+  Channel orientation{"orientation", ChannelOn::particle, 4, ChannelStorage::float32, {}};
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  std::normal_distribution<double> normal;
+  while (position.values.size() < 3 * static_cast<std::size_t>(count)) {
+    const Vec3 p(0.5 * unit(random), 0.5 * HEIGHT * (1.0 + unit(random)), 0.5 * unit(random));
+    if (std::hypot(p.x(), p.z()) > 0.5 * (1.0 - p.y() / HEIGHT))
+      continue;
+    position.values.insert(position.values.end(), {p.x(), p.y(), p.z()});
+    const Vec4 q = Vec4(normal(random), normal(random), normal(random), normal(random)).normalized();
+    orientation.values.insert(orientation.values.end(), {q[0], q[1], q[2], q[3]});
+  }
+  made.scene.bodies.push_back(std::move(body));
+  FrameBody on_frame;
+  on_frame.name = "heap";
+  on_frame.channels = {std::move(position), std::move(orientation)};
+  made.frame.number = 1;
+  made.frame.bodies.push_back(std::move(on_frame));
+  if (!made.bounds.include(made.scene, made.frame).ok())
+    std::abort();
+  return made;
 }
 
 geometry::SurfaceMesh joined(const geometry::SurfaceMesh& a, const geometry::SurfaceMesh& b) {

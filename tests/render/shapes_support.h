@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/mesh_scene.h"
 #include "sim/geometry/surface_mesh.h"
 
 namespace wry::render::testing {
@@ -18,5 +19,9 @@ geometry::SurfaceMesh pebble(int rings, int segments);
 
 /// Both meshes in one.
 geometry::SurfaceMesh joined(const geometry::SurfaceMesh& a, const geometry::SurfaceMesh& b);
+
+/// A heap of grains in random directions, half full, on y = 0: a cone of about `count` of them, 1 m wide. The size
+/// of a grain is scaled so that the heap has that width.
+render::MeshScene heap(int count, const Grain& grain, const std::string& look);
 
 } // namespace wry::render::testing
