@@ -2,6 +2,7 @@
 
 #include "shots/diagnostics.h"
 #include "shots/reader.h"
+#include "shots/schema.h"
 
 namespace wry::shots {
 
@@ -17,7 +18,15 @@ Motion bind_motion(const Reader& reader, Axis up);
 /// A file, relative to the folder of the shot.
 Located<std::string> bind_path(const Reader& reader, const std::string& key, const std::string& directory);
 Material bind_material(const Reader& reader, const std::string& name);
+/// The keys of the material point method.
+Matter bind_matter(const Reader& reader);
+ParticleBody bind_particles(const Reader& reader);
+MpmOptions bind_mpm(const Reader& reader);
 RenderOptions bind_render(const Reader& reader);
+Drive bind_drive(const Reader& reader, Axis up);
+Load bind_load(const Reader& reader);
+/// { x = ..., y = ..., z = ... } of formulas.
+std::array<std::optional<Located<Expression>>, 3> bind_components(const Reader& reader);
 Region bind_region(const Reader& reader);
 Axis axis_of(const std::string& word);
 

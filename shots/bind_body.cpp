@@ -14,6 +14,9 @@ bool ends_with_msh(const std::string& path) {
 }
 
 Shape bind_shape(const Reader& body, const std::string& directory) {
+  if (body.has("region")) {
+    return BoxShape{Located<Vec3>(Vec3::Zero())}; // nobody reads it
+  }
   if (body.has("box")) {
     return BoxShape{body.child("box").vector("size")};
   }
@@ -90,6 +93,8 @@ Body bind_body(const Reader& reader, const std::string& directory) {
   body.shape = bind_shape(reader, directory);
   bind_placement(reader, body);
   body.velocity = reader.vector("velocity");
+  body.particles = bind_particles(reader);
+  body.rest_rotation = bind_components(reader.child("rest_rotation"));
   if (reader.has("shell")) {
     const Reader shell = reader.child("shell");
     body.shell = Shell{shell.number("thickness"), shell.integer("layers")};
@@ -99,6 +104,13 @@ Body bind_body(const Reader& reader, const std::string& directory) {
     body.cells = reader.integers<3>("cells");
   }
   body.split = reader.choice<CellSplit>("split", {{"symmetric", CellSplit::symmetric}, {"kuhn", CellSplit::kuhn}});
+  body.element = reader.choice<Element>("element", {{"auto", Element::automatic},
+                                                    {"tet4", Element::tet4},
+                                                    {"tet10", Element::tet10},
+                                                    {"tri3", Element::tri3},
+                                                    {"tri6", Element::tri6}});
+  body.quadrature =
+      reader.choice<Quadrature>("quadrature", {{"full", Quadrature::full}, {"one-point", Quadrature::one_point}});
   body.material = reader.text("material");
   body.look = reader.optional_text("look");
   return body;

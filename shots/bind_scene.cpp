@@ -41,13 +41,50 @@ Look bind_look(const Reader& reader, const std::string& name) {
   look.metallic = reader.number("metallic");
   look.specular = reader.number("specular");
   look.wrap = reader.number("wrap");
+  look.like = reader.optional_text("like");
+  look.scatter = reader.optional_vector("scatter");
+  look.clearcoat = reader.number("clearcoat");
+  look.clearcoat_roughness = reader.number("clearcoat_roughness");
+  look.transparency = reader.number("transparency");
+  look.colour_variation = reader.number("colour_variation");
+  look.size_variation = reader.number("size_variation");
+  look.own_materials = reader.boolean("own_materials");
   return look;
+}
+
+FrictionOptions bind_friction(const Reader& reader) {
+  return {reader.number("friction"), reader.optional_number("sliding_friction")};
+}
+
+ContactOptions bind_contact(const Reader& reader) {
+  ContactOptions contact;
+  contact.source = reader.source();
+  contact.between = reader.boolean("between");
+  contact.within = reader.boolean("within");
+  contact.friction = bind_friction(reader);
+  for (const auto& [name, pair] : reader.named_children("pair"))
+    contact.pairs.push_back({pair.text("first"), pair.text("second"), bind_friction(pair)});
+  return contact;
+}
+
+Located<PointRotations> bind_point_rotations(const Reader& reader, const char* key) {
+  using P = PointRotations;
+  return reader.choice<P>(key, {{"velocity", P::velocity},
+                                {"rotation-vectors", P::rotation_vectors},
+                                {"quaternion-blend", P::quaternion_blend},
+                                {"spherical", P::spherical}});
 }
 
 FemOptions bind_fem(const Reader& reader) {
   FemOptions fem;
   fem.source = reader.source();
-  fem.integrator = reader.choice<Integrator>("integrator", {{"backward-euler", Integrator::backward_euler}});
+  fem.integrator = reader.choice<Integrator>(
+      "integrator",
+      {{"backward-euler", Integrator::backward_euler}, {"bdf2", Integrator::bdf2}, {"sdirk2", Integrator::sdirk2}});
+  fem.rotation_update = reader.choice<RotationUpdate>(
+      "rotation_update", {{"cayley", RotationUpdate::cayley}, {"exponential", RotationUpdate::exponential}});
+  fem.point_rotations = bind_point_rotations(reader, "point_rotations");
+  fem.reset_every = reader.integer("reset_every");
   fem.time_step = reader.optional_number("time_step");
   fem.min_time_step = reader.number("min_time_step");
   fem.newton_tolerance = reader.number("newton_tolerance");
@@ -77,11 +114,37 @@ Measure bind_measure(const Reader& reader) {
                                            {"volume", K::volume},
                                            {"speed", K::speed},
                                            {"kinetic_energy", K::kinetic_energy},
-                                           {"strain_energy", K::strain_energy}});
+                                           {"strain_energy", K::strain_energy},
+                                           {"run_out", K::run_out},
+                                           {"front_position", K::front_position},
+                                           {"pile_height", K::pile_height},
+                                           {"repose_angle", K::repose_angle},
+                                           {"fraction_outside", K::fraction_outside},
+                                           {"curvature_energy", K::curvature_energy},
+                                           {"bound_low", K::bound_low},
+                                           {"bound_high", K::bound_high},
+                                           {"tip_position", K::tip_position},
+                                           {"momentum", K::momentum},
+                                           {"angular_momentum", K::angular_momentum},
+                                           {"reaction_force", K::reaction_force},
+                                           {"reaction_torque", K::reaction_torque},
+                                           {"element_twist_max", K::element_twist_max},
+                                           {"rotation_distance", K::rotation_distance},
+                                           {"curvature_error", K::curvature_error},
+                                           {"rotation_interpolation_error", K::rotation_interpolation_error},
+                                           {"curve_radius", K::curve_radius},
+                                           {"curve_pitch", K::curve_pitch},
+                                           {"mean_alignment", K::mean_alignment},
+                                           {"second_moment", K::second_moment},
+                                           {"largest_fragment", K::largest_fragment}});
   measure.body = reader.text("body");
   if (const auto axis = reader.optional_text("axis")) {
     measure.axis = Located<Axis>(axis_of(**axis), axis->source);
   }
+  measure.about = reader.optional_vector("about");
+  measure.at = reader.choice<MeasureAt>(
+      "at", {{"nodes", MeasureAt::nodes}, {"points", MeasureAt::points}, {"centroid", MeasureAt::centroid}});
+  measure.rule = bind_point_rotations(reader, "rule");
   if (reader.has("where")) {
     measure.where = bind_region(reader.child("where"));
   }
@@ -138,6 +201,12 @@ Shot bind_shot(const Table& checked, const std::string& file, const std::string&
   for (const Reader& fixed : root.children("fixed")) {
     shot.fixed.push_back(bind_fixed(fixed));
   }
+  for (const Reader& drive : root.children("drive")) {
+    shot.drives.push_back(bind_drive(drive, *shot.shot.up));
+  }
+  for (const Reader& load : root.children("load")) {
+    shot.loads.push_back(bind_load(load));
+  }
   for (const Reader& collider : root.children("collider")) {
     shot.colliders.push_back(bind_collider(collider, directory, *shot.shot.up));
   }
@@ -145,6 +214,10 @@ Shot bind_shot(const Table& checked, const std::string& file, const std::string&
     shot.looks.push_back(bind_look(look, name));
   }
   shot.fem = bind_fem(root.child("fem"));
+  if (root.has("contact")) {
+    shot.contact = bind_contact(root.child("contact"));
+  }
+  shot.mpm = bind_mpm(root.child("mpm"));
   shot.render = bind_render(root.child("render"));
   for (const Reader& measure : root.children("measure")) {
     shot.measures.push_back(bind_measure(measure));

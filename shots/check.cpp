@@ -195,7 +195,8 @@ private:
       }
       return given;
     default:
-      return check_value(field, given, key, m_names, m_paths, m_diagnostics);
+      return field.section && given.get<Table>() ? nested(field, given, key)
+                                                 : check_value(field, given, key, m_names, m_paths, m_diagnostics);
     }
   }
 

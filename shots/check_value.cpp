@@ -196,11 +196,13 @@ private:
 
   bool view(const Value& item, const std::string& word) {
     const bool heat = word.compare(0, 5, "heat.") == 0 && is_safe_name(std::string_view(word).substr(5), Dots::refused);
-    if (heat || word == "beauty" || word == "clay" || word == "wire") {
+    const std::vector<std::string> words = {"beauty", "clay", "wire", "directors", "fibres", "contacts"};
+    if (heat || std::find(words.begin(), words.end(), word) != words.end()) {
       return true;
     }
-    refuse(item,
-           "expected beauty, clay, wire or heat.<channel>" + near(word, {"beauty", "clay", "wire", "heat.speed"}));
+    std::vector<std::string> nearest_of = words;
+    nearest_of.push_back("heat.speed");
+    refuse(item, fmt::format("expected {} or heat.<channel>", fmt::join(words, ", ")) + near(word, nearest_of));
     return false;
   }
 

@@ -68,7 +68,7 @@ void fill_planes(Table& root, const std::string& up) {
 } // namespace
 
 void name_unnamed(Table& root) {
-  for (const char* section : {"fixed", "collider"}) {
+  for (const char* section : {"fixed", "drive", "load", "collider"}) {
     Array* list = items(root, section);
     for (std::size_t i = 0; list && i < list->size(); ++i) {
       if (Table* table = (*list)[i].get<Table>()) {
@@ -89,6 +89,8 @@ void fill_derived_defaults(Table& root, const std::string& file) {
   }
   fill_planes(root, up);
   fill_only_body(root, "fixed");
+  fill_only_body(root, "drive");
+  fill_only_body(root, "load");
   fill_only_body(root, "measure");
 }
 

@@ -56,7 +56,7 @@ std::string expect_plain(const Field& field) {
   case Kind::reference:
     return field.target.find('.') == std::string::npos ? "the name of a " + field.target : "the name of a sweep case";
   case Kind::view_list:
-    return "a list of views: beauty, clay, wire, heat.<channel>";
+    return "a list of views: beauty, clay, wire, heat.<channel>, directors, fibres, contacts";
   case Kind::text:
     return "a short text";
   case Kind::path:

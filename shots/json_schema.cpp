@@ -76,7 +76,7 @@ Json kind_schema(const Field& field) {
   case Kind::word_list:
     return some_of(word_schema(field));
   case Kind::view_list:
-    return some_of(text_schema("^(beauty|clay|wire|heat\\.[A-Za-z0-9_][A-Za-z0-9_-]*)$"));
+    return some_of(text_schema("^(beauty|clay|wire|directors|fibres|contacts|heat\\.[A-Za-z0-9_][A-Za-z0-9_-]*)$"));
   case Kind::name:
   case Kind::reference:
     return Json{{"type", "string"}, {"minLength", 1}, {"maxLength", 64}};
@@ -116,6 +116,10 @@ Json kind_schema(const Field& field) {
 
 Json field_schema(const Field& field) {
   Json schema = kind_schema(field);
+  if (field.section && field.kind == Kind::number) {
+    schema["type"] = Json::array({"number", "object"});
+    schema.update(Json{{"additionalProperties", false}, {"properties", section_schema(*field.section)["properties"]}});
+  }
   if (!field.word.empty()) {
     schema = Json{{"anyOf", Json::array({std::move(schema), Json{{"const", field.word}}})}};
   }

@@ -2,6 +2,7 @@
 
 #include "shots/bind.h"
 #include "shots/check.h"
+#include "shots/ladders.h"
 #include "shots/resolved_tree.h"
 #include "shots/sweep_plan.h"
 
@@ -16,6 +17,8 @@ Result<Shot> make_shot(const ShotDocument& document) {
   Diagnostics diagnostics;
   Table checked = check_document(document, diagnostics);
   plan_sweep(document.root(), diagnostics);
+  plan_accuracy(document.root(), diagnostics);
+  plan_stress(document.root(), diagnostics);
   Shot shot = bind_shot(checked, document.file(), document.directory());
   check_rules(shot, diagnostics);
   if (!diagnostics.empty()) {

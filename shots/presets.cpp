@@ -66,7 +66,8 @@ std::vector<PresetInfo> list_presets() {
 }
 
 std::vector<std::string> list_built_in_looks() {
-  return {"card", "ceramic", "clay", "metal", "paint", "rubber", "skin", "straw", "wood"};
+  return {"brick",  "card", "ceramic", "clay", "glass", "metal", "paint",
+          "rubber", "sand", "skin",    "snow", "straw", "wood"};
 }
 
 } // namespace wry::shots

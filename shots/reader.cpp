@@ -84,6 +84,27 @@ Located<Mat3> Reader::columns(const std::string& key) const {
   return found;
 }
 
+Located<std::vector<double>> Reader::numbers(const std::string& key) const {
+  Located<std::vector<double>> found;
+  const Value* value = read(key, found.source);
+  const auto* array = value ? value->get<Array>() : nullptr;
+  for (std::size_t i = 0; array && i < array->size(); ++i) {
+    found.value.push_back((*array)[i].number());
+  }
+  return found;
+}
+
+Source Reader::source_of(const std::string& key) const {
+  const Value* value = m_table->find(key);
+  const std::string whole = join(m_path, key);
+  return value ? value->place.source(whole) : Source{{}, 0, 0, whole, Origin::standard};
+}
+
+bool Reader::differs(const std::string& key, const std::optional<Value>& standard) const {
+  const Value* value = m_table->find(key);
+  return value && !(standard && to_toml(*value) == to_toml(*standard));
+}
+
 Located<Expression> Reader::expression(const std::string& key) const {
   Located<Expression> found;
   if (const Value* value = read(key, found.source)) {

@@ -26,6 +26,10 @@ public:
 
   Source source() const { return m_place.source(m_path); }
   const std::string& path() const { return m_path; }
+  /// Where a key stands, without reading it.
+  Source source_of(const std::string& key) const;
+  /// Whether a key is there and has another value than this, without reading it.
+  bool differs(const std::string& key, const std::optional<Value>& standard) const;
   bool has(const std::string& key) const { return m_table->find(key) != nullptr; }
 
   Located<bool> boolean(const std::string& key) const;
@@ -34,6 +38,7 @@ public:
   Located<std::string> text(const std::string& key) const;
   Located<Vec3> vector(const std::string& key) const;
   Located<Mat3> columns(const std::string& key) const; ///< a list per column
+  Located<std::vector<double>> numbers(const std::string& key) const;
   Located<Expression> expression(const std::string& key) const;
 
   /// nullopt: absent, or the word that stands for "auto".

@@ -42,15 +42,22 @@ std::string meaning(const Field& field) {
   return text;
 }
 
+/// Of numbers in whose place a table may stand.
+std::string or_table(const Field& field) {
+  return field.kind == Kind::number && field.section
+             ? fmt::format(", or a table {{ {} }}", fmt::join(field.section->keys(), ", "))
+             : std::string();
+}
+
 /// Rows of a table of keys; what is nested follows with dotted keys.
 std::string rows(const Section& section, const std::string& prefix) {
   std::string text;
   for (const Field& field : section.fields) {
-    const bool nested = field.section != nullptr;
+    const bool nested = field.section != nullptr && field.kind != Kind::number;
     const std::string key = prefix + field.key;
     text += fmt::format("| `{}` | {} | {} | {} |\n", key,
                         nested ? (field.kind == Kind::table_list ? "table or list of tables" : "table")
-                               : cell(expectation(field)),
+                               : cell(expectation(field) + or_table(field)),
                         nested && !field.is_required ? "" : cell(default_text(field)), cell(meaning(field)));
     if (nested) {
       text += rows(*field.section, key + (field.kind == Kind::named_tables ? ".<name>." : "."));
@@ -88,6 +95,35 @@ set = { "material.skin.model" = "neo-hookean", "material.skin.youngs_modulus" = 
 `--set case=soft` applies one case to a single run. Array tables are reached by name: `"body.bunny.resolution"`.
 )";
 
+constexpr const char* ACCURACY_TEXT = R"(
+```toml
+[accuracy]
+frames = "1-13"                                 # default: the shot's
+tolerance = 0.01                                # relative error that the recommendation is for
+reference_factor = 4                            # how much finer than its finest rung a ladder's reference is
+"fem.time_step" = [0.04, 0.02, 0.01]            # ladders: one key each, from coarse to fine; all else as in the shot
+"body.bar.resolution" = { from = 0.1, to = 0.025, count = 3, scale = "log" }
+reference = { "fem.time_step" = 1e-3 }          # or one reference for every ladder
+exact = { tip = -0.0123 }                       # or the value of a measure in the last frame, from a closed form
+```
+)";
+
+constexpr const char* STRESS_TEXT = R"(
+```toml
+[stress]
+frames = "1-13"                                 # default: the shot's
+time_limit = 60                                 # [s] for each case
+pairs = true                                    # the extremes of every two knobs together, too
+"material.skin.youngs_modulus" = { from = 1e2, to = 1e12, count = 6, scale = "log" }
+```
+
+Without any key of the shot in it, `wry stress` takes the knobs that the shot has.
+)";
+
+const char* text_of_free(const std::string& key) {
+  return key == "sweep" ? SWEEP_TEXT : key == "accuracy" ? ACCURACY_TEXT : STRESS_TEXT;
+}
+
 } // namespace
 
 std::string reference_markdown() {
@@ -97,7 +133,7 @@ std::string reference_markdown() {
     if (field.section) {
       text += "\n| key | takes | default | meaning |\n|---|---|---|---|\n" + rows(*field.section, "");
     } else if (field.kind == Kind::free) {
-      text += SWEEP_TEXT;
+      text += text_of_free(field.key);
     }
   }
   text += "\n### Presets\n\n| preset | what it is |\n|---|---|\n";

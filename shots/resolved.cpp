@@ -35,7 +35,7 @@ public:
 private:
   void field(const Field& field, const Value& value, const std::string& path, Effect effect) {
     if (const Table* table = value.get<Table>()) {
-      if (field.kind == Kind::table) {
+      if (field.kind == Kind::table || field.kind == Kind::number) {
         section(*field.section, *table, path, effect);
         return;
       }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
@@ -41,6 +42,22 @@ public:
         check_collider(collider);
       }
     }
+    for (const Drive& drive : m_shot.drives) {
+      if (sound(drive)) {
+        need_body(*drive.body, drive.source);
+        check_region(drive.where);
+        check_drive(drive);
+      }
+    }
+    for (const Load& load : m_shot.loads) {
+      if (sound(load)) {
+        need_body(*load.body, load.source);
+        if (load.where) {
+          check_region(*load.where);
+        }
+        check_load(load);
+      }
+    }
     for (const Measure& measure : m_shot.measures) {
       if (sound(measure)) {
         check_measure(measure);
@@ -63,7 +80,69 @@ private:
     return source;
   }
 
+  /// Keys of one method on a body of the other.
+  void check_particles(const Body& body) {
+    const auto refuse_solid = [&](const auto& key) {
+      if (key) {
+        refuse(key->source, ": only solids are cut into tets; particles_per_cell says how finely this body is sampled");
+      }
+    };
+    refuse_solid(body.resolution);
+    refuse_solid(body.cells);
+    const ParticleBody& particles = body.particles;
+    if (particles.region) {
+      if (const auto* box = std::get_if<BoxSpace>(&particles.region->space)) {
+        for (Eigen::Index i = 0; i < 3; ++i) {
+          if (!((*box->min)[i] < (*box->max)[i])) {
+            refuse(box->max.source,
+                   fmt::format(": along {} the box ends at {}, not above its beginning {}; it is empty", "xyz"[i],
+                               (*box->max)[i], (*box->min)[i]));
+            return;
+          }
+        }
+      }
+      if (const auto* space = std::get_if<CylinderSpace>(&particles.region->space);
+          space && *space->from == *space->to) {
+        refuse(space->to.source, ": both ends of the axis are the same point; a cylinder needs a length");
+      }
+    }
+    if (particles.fibre && particles.fibre->second_moment) {
+      const Located<Vec3>& shares = *particles.fibre->second_moment;
+      if (std::abs(shares->sum() - 1.0) > 1e-6) {
+        refuse(shares.source, fmt::format(": the shares sum to {:.6g}; expected 1", shares->sum()));
+      }
+    }
+    if (particles.repeat && particles.grains) {
+      refuse(particles.grains->source, ": a source has no sub_particles in this build; remove one of the two");
+    }
+    if (particles.repeat && body.velocity->norm() == 0.0) {
+      refuse(particles.repeat->source, ": a source whose matter stands still piles up in place; give velocity");
+    }
+    if (particles.fibre && particles.fibre->azimuth_deg.source.origin != Origin::standard &&
+        !particles.fibre->tilt_deg) {
+      refuse(particles.fibre->azimuth_deg.source, ": needs tilt_deg, the angle from up");
+    }
+  }
+
   void check_body(const Body& body) {
+    if (m_shot.is_particles(body)) {
+      check_particles(body);
+      return;
+    }
+    const ParticleBody& particles = body.particles;
+    const auto refuse_particles = [&](const auto& key) {
+      if (key) {
+        refuse(key->source, fmt::format(": {} is not of model = \"mpm\", so this body has no particles",
+                                        body.material->empty() ? "its material" : *body.material));
+      }
+    };
+    refuse_particles(particles.region);
+    refuse_particles(particles.fibre);
+    refuse_particles(particles.repeat);
+    refuse_particles(particles.grains);
+    if (particles.region) {
+      return;
+    }
     const bool structured =
         std::holds_alternative<BoxShape>(body.shape) || std::holds_alternative<RodShape>(body.shape) ||
         std::holds_alternative<SheetShape>(body.shape) || std::holds_alternative<CylinderShape>(body.shape);
@@ -93,6 +172,7 @@ private:
              ": what is made of cells cannot be hollowed; give resolution instead of cells");
     }
     check_mesh_only(body, mesh != nullptr);
+    check_element(body);
     if (const auto* torus = std::get_if<TorusShape>(&body.shape); torus && *torus->tube_radius >= *torus->radius) {
       refuse(torus->tube_radius.source, fmt::format(" = {}: expected less than radius = {}, or the ring has no hole",
                                                     *torus->tube_radius, *torus->radius));
@@ -155,7 +235,113 @@ private:
     }
   }
 
+  void check_element(const Body& body) {
+    const Material* material = m_shot.find_material(*body.material);
+    if (material == nullptr || !sound(*material)) {
+      return;
+    }
+    const bool plate = *material->model == MaterialModel::plate;
+    const bool triangles = *body.element == Element::tri3 || *body.element == Element::tri6;
+    if (triangles != plate && *body.element != Element::automatic) {
+      refuse(body.element.source, plate ? ": a plate is made of triangles; expected \"tri3\" or \"tri6\""
+                                        : ": triangles are elements of plates; expected \"tet4\" or \"tet10\", or "
+                                          "material.model = \"plate\"");
+    }
+    const bool own_kernel = *body.element == Element::tet10 || *body.quadrature == Quadrature::one_point;
+    const Located<std::string>& name = material->name;
+    if (own_kernel && *material->model != MaterialModel::micropolar) {
+      refuse(*body.element == Element::tet10 ? body.element.source : body.quadrature.source,
+             fmt::format(": only material.model = \"micropolar\" has it, and '{}' is another", *name));
+    }
+    if (*body.element == Element::tet10 && *body.quadrature == Quadrature::one_point) {
+      refuse(body.quadrature.source, " = \"one-point\": only tet4 can have it");
+    }
+    if (own_kernel && *material->microrotation == Microrotation::condensed) {
+      refuse(material->microrotation.source, " = \"condensed\": only tet4 with full quadrature can have it");
+    }
+    if (own_kernel || plate) {
+      check_linear_tets_only(body, *material);
+    }
+    if (plate && !material->thickness && !std::holds_alternative<SheetShape>(body.shape)) {
+      refuse(below(material->source, "thickness"), " is missing: a plate that is no sheet needs its thickness in m");
+    }
+    if (plate && body.shell) {
+      refuse(body.shell->thickness.source, ": a plate is a surface already; remove shell");
+    }
+    if (const auto* mesh = std::get_if<MeshShape>(&body.shape); plate && mesh && mesh->is_tet_mesh) {
+      refuse(mesh->path.source, ": a plate is made of a surface, not of tets; give an obj, ply, ... file");
+    }
+  }
+
+  void check_linear_tets_only(const Body& body, const Material& material) {
+    const char* advice = ": only linear tets with the full quadrature (element = \"tet4\") have it";
+    for (const auto* factor : {&material.vary.density, &material.vary.youngs_modulus,
+                               &material.vary.couple_modulus_ratio, &material.vary.length_scale}) {
+      if (*factor) {
+        refuse((*factor)->source, advice);
+      }
+    }
+    for (const auto& turn : body.rest_rotation) {
+      if (turn) {
+        refuse(turn->source, advice);
+      }
+    }
+    if (*m_shot.fem.point_rotations != PointRotations::velocity) {
+      refuse(m_shot.fem.point_rotations.source, advice);
+    }
+  }
+
+  void check_condensed(const Material& material) {
+    if (*material.microrotation != Microrotation::condensed) {
+      return;
+    }
+    if (*material.model != MaterialModel::micropolar || *material.length_scale > 0.0 ||
+        *material.rotary_inertia > 0.0 || *material.couple_modulus_ratio < 1.0) {
+      refuse(material.microrotation.source,
+             " = \"condensed\": expected model = \"micropolar\", length_scale = 0, rotary_inertia = 0 and "
+             "couple_modulus_ratio >= 1, or the rotation of the matter is not the microrotation of least energy");
+    }
+  }
+
+  void check_plate_only(const Material& material) {
+    if (*material.model == MaterialModel::plate) {
+      if (*material.curvature.model == CurvatureModel::orthotropic) {
+        refuse(material.curvature.model.source, " = \"orthotropic\": plates have the isotropic one");
+      }
+      if (*material.bending == PlateBending::curv && *material.length_scale == 0.0) {
+        refuse(material.bending.source, " = \"curv\" needs length_scale > 0, or nothing resists bending");
+      }
+      return;
+    }
+    for (const std::optional<Located<double>>* only : {&material.thickness, &material.max_stretch}) {
+      if (*only) {
+        refuse((*only)->source, ": only plates have it; write model = \"plate\", or remove it");
+      }
+    }
+  }
+
   void check_material(const Material& material) {
+    if (*material.model == MaterialModel::mpm) {
+      if (material.matter.reorient &&
+          (material.matter.plastic_map || material.matter.stress_map || material.matter.strain_map)) {
+        refuse(material.matter.reorient->source,
+               ": grains that reorient have their maps from the limits; remove plastic_map, stress_map and strain_map");
+      }
+      return; // what its numbers allow is for sim/mpm to say
+    }
+    for (const Source& given : material.matter.given) {
+      refuse(given, ": only model = \"mpm\" reads this key; remove it");
+    }
+    for (const PerAxis* value : {&material.matter.youngs_modulus, &material.matter.poisson_ratio}) {
+      if (value->is_table) {
+        Source source = value->values[0].source;
+        source.key = source.key.substr(0, source.key.rfind('.'));
+        refuse(source, ": only model = \"mpm\" is stiffer along one axis than along another; give one number");
+        return;
+      }
+    }
+    check_condensed(material);
+    check_plate_only(material);
     if (is_micropolar(*material.model) && *material.couple_modulus_ratio == 0.0 && *material.length_scale == 0.0 &&
         *material.rotary_inertia == 0.0) {
       refuse(material.couple_modulus_ratio.source,
@@ -241,6 +427,51 @@ private:
     }
   }
 
+  void check_drive(const Drive& drive) {
+    if (!*drive.positions && !*drive.microrotations) {
+      refuse(drive.positions.source, " is empty: expected \"positions\", \"microrotations\" or both");
+    }
+    check_motion(drive.motion);
+    const bool soft = *drive.method == DriveMethod::soft;
+    if (soft && *drive.stiffness == 0.0 && *drive.turning_stiffness == 0.0) {
+      refuse(below(drive.source, "stiffness"),
+             " is missing: a soft drive needs stiffness (N/m), turning_stiffness (N m) or both");
+    }
+    for (const Located<double>& stiffness : {drive.stiffness, drive.turning_stiffness}) {
+      if (!soft && *stiffness > 0.0) {
+        refuse(stiffness.source, ": only soft drives have it; write method = \"soft\" or remove it");
+      }
+    }
+    const Material* material = material_of(*drive.body);
+    if (!*drive.positions && material != nullptr && !is_micropolar(*material->model)) {
+      refuse(drive.microrotations.source,
+             fmt::format(": body '{}' has no microrotations, so nothing would be driven; give it a micropolar model or "
+                         "drive positions",
+                         *drive.body));
+    }
+  }
+
+  const Material* material_of(const std::string& body_name) const {
+    const Body* body = m_shot.find_body(body_name);
+    return body == nullptr ? nullptr : m_shot.find_material(*body->material);
+  }
+
+  void check_load(const Load& load) {
+    const auto given = [](const auto& components) {
+      return std::any_of(components.begin(), components.end(), [](const auto& entry) { return entry.has_value(); });
+    };
+    if (!given(load.force) && !given(load.torque)) {
+      refuse(below(load.source, "force"), " is missing: give force = { x = ... }, torque = { x = ... } or both");
+    }
+    const Material* material = material_of(*load.body);
+    if (given(load.torque) && material != nullptr && !is_micropolar(*material->model)) {
+      refuse(below(load.source, "torque"),
+             fmt::format(": body '{}' has no microrotations that a torque could turn; give it a micropolar model, or "
+                         "use two forces",
+                         *load.body));
+    }
+  }
+
   void need_body(const std::string& body, const Source& source) {
     if (body.empty()) {
       refuse(below(source, "body"), fmt::format(" is missing: the shot has {} bodies; name one", m_shot.bodies.size()));
@@ -249,12 +480,16 @@ private:
 
   void check_measure(const Measure& measure) {
     need_body(*measure.body, measure.source);
-    const bool along_axis = *measure.kind == MeasureKind::extent || *measure.kind == MeasureKind::centre;
-    if (along_axis && !measure.axis) {
-      refuse(below(measure.source, "axis"), " is missing: extent and centre are measured along \"x\", \"y\" or \"z\"");
+    const bool along_axis = needs_axis(*measure.kind);
+    const bool maybe_along_axis = along_axis || *measure.kind == MeasureKind::run_out;
+    if (*measure.kind == MeasureKind::fraction_outside && !measure.where) {
+      refuse(below(measure.source, "where"), " is missing: the part of space that the particles are outside of");
     }
-    if (!along_axis && measure.axis) {
-      refuse(measure.axis->source, ": only extent and centre have an axis; remove it");
+    if (along_axis && !measure.axis) {
+      refuse(below(measure.source, "axis"), " is missing: this is measured along or about \"x\", \"y\" or \"z\"");
+    }
+    if (!maybe_along_axis && measure.axis) {
+      refuse(measure.axis->source, ": this kind of measure has no axis; remove it");
     }
     if (measure.where) {
       check_region(*measure.where);
@@ -276,6 +511,12 @@ private:
     if (fem.time_step && *fem.min_time_step > **fem.time_step && !m_diagnostics.any_under("fem")) {
       refuse(fem.min_time_step.source,
              fmt::format(" = {}: expected at most time_step = {} s", *fem.min_time_step, **fem.time_step));
+    }
+    if (*fem.rotation_update == RotationUpdate::exponential && *fem.integrator != Integrator::backward_euler) {
+      refuse(
+          fem.rotation_update.source,
+          " = \"exponential\": only backward-euler feels it; bdf2 and sdirk2 count increments from where rotations are "
+          "expected, so that both updates are the same to their order; remove it");
     }
     const Camera& camera = m_shot.render.camera;
     if (camera.position && camera.target && **camera.position == **camera.target) {

@@ -68,6 +68,18 @@ Field Field::called(std::string noun_) const {
   field.noun = std::move(noun_);
   return field;
 }
+Field Field::or_per(std::vector<std::string> keys_, Interval range_) const {
+  Field copy = *this;
+  Section table;
+  table.doc = doc;
+  for (const std::string& name : keys_) {
+    Field part = number(name, unit, range_, "Along " + name + ".").called(noun.empty() ? "number" : noun).required();
+    table.fields.push_back(part);
+  }
+  copy.section = std::make_shared<const Section>(std::move(table));
+  return copy;
+}
+
 Field Field::advice(std::string hint_) const {
   Field field = *this;
   field.hint = std::move(hint_);

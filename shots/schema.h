@@ -35,7 +35,7 @@ enum class Kind {
   table_list,   ///< one table or a list of tables without names
   named_list,   ///< [[body]]: tables with a name each
   named_tables, ///< [material.X]: the name is the key
-  free,         ///< checked elsewhere: [sweep]
+  free,         ///< checked elsewhere: [sweep], [accuracy], [stress]
 };
 
 /// Numbers between two ends, each in or out.
@@ -75,12 +75,12 @@ struct Field {
   std::optional<Value> value; ///< the default
   std::string default_note;   ///< the default in words, when it is derived or absent
   bool is_required = false;
-  std::string word;             ///< "auto": may stand in place of the number
-  std::string target;           ///< of references: the section that has the name
-  std::string hint;             ///< what to do when it is out of range
-  std::vector<Choice> choices;  ///< of choice, word_list
-  std::optional<Effect> effect; ///< absent: that of the section
-  std::shared_ptr<const Section> section;
+  std::string word;                       ///< "auto": may stand in place of the number
+  std::string target;                     ///< of references: the section that has the name
+  std::string hint;                       ///< what to do when it is out of range
+  std::vector<Choice> choices;            ///< of choice, word_list
+  std::optional<Effect> effect;           ///< absent: that of the section
+  std::shared_ptr<const Section> section; ///< of tables, and of numbers in whose place a table may stand
 
   Field standard(Value data) const; ///< with a default
   Field standard(bool data) const { return standard(Value(data)); }
@@ -93,6 +93,8 @@ struct Field {
   Field affects(Effect effect_) const;
   Field called(std::string noun_) const;
   Field advice(std::string hint_) const;
+  /// Of a number: in its place a table with a number for each of these keys may stand, within `range_`.
+  Field or_per(std::vector<std::string> keys_, Interval range_) const;
   std::vector<std::string> words() const; ///< of the choices that this build has
 };
 
@@ -144,9 +146,20 @@ Section shot_section();
 Section body_section();
 Section material_section();
 Section fixed_section();
+Section drive_section();
+Section load_section();
+/// rest_rotation = { x, y, z } of a body.
+Field rest_rotation_field();
 Section collider_section();
 Section look_section();
 Section fem_section();
+Section contact_section();
+Section mpm_section();
+/// Keys of [material.X] and [[body]] that only the material point method reads.
+std::vector<Field> mpm_material_fields();
+std::vector<Field> mpm_body_fields();
+Field reorient_field();
+Field sub_particles_field();
 Section render_section();
 Section measure_section();
 Section expect_section();

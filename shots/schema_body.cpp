@@ -111,6 +111,19 @@ std::vector<Field> discretisation() {
               {"kuhn", "six tets per cell, all diagonals alike", ""}},
              "How the cells of a box, rod, sheet or cylinder are cut into tets.")
           .standard("symmetric"),
+      choice("element",
+             {{"auto", "tet4, and tri6 for plates", ""},
+              {"tet4", "linear positions and microrotations", ""},
+              {"tet10", "quadratic positions, linear microrotations; of micropolar", ""},
+              {"tri3", "of plates: linear positions; stiff where the plate is thinner than its cells", ""},
+              {"tri6", "of plates: quadratic positions", ""}},
+             "The finite element.")
+          .standard("auto"),
+      choice("quadrature",
+             {{"full", "as many points as the element needs", ""},
+              {"one-point", "of tet4 and micropolar: leaves microrotations that cost nothing, to be seen", ""}},
+             "Where the energy of an element is sampled.")
+          .standard("full"),
   };
 }
 
@@ -123,8 +136,9 @@ Section body_section() {
   for (std::vector<Field> part :
        {shapes(), placement_fields(),
         std::vector<Field>{numbers("velocity", 3, "m/s", between(-1e6, 1e6), "Velocity at the start.")
-                               .standard(number_list({0, 0, 0}))},
-        discretisation()}) {
+                               .standard(number_list({0, 0, 0})),
+                           rest_rotation_field()},
+        discretisation(), mpm_body_fields()}) {
     section.fields.insert(section.fields.end(), part.begin(), part.end());
   }
   section.fields.push_back(reference("material", "material", "The name of a [material.X].").required());
@@ -134,14 +148,10 @@ Section body_section() {
           .default_is("a neutral look")
           .affects(Effect::pictures));
   section.one_of = {
-      {{{"mesh"}, {"box"}, {"sphere"}, {"cylinder"}, {"rod"}, {"sheet"}, {"torus"}}, true, "shape"},
+      {{{"mesh"}, {"box"}, {"sphere"}, {"cylinder"}, {"rod"}, {"sheet"}, {"torus"}, {"region"}}, true, "shape"},
       {{{"size"}, {"scale"}}, false, "size"},
       {{{"resolution"}, {"cells"}}, false, "resolution"},
   };
-  section.later = {{"region", "bodies of the material point method"},
-                   {"particles_per_cell", "bodies of the material point method"},
-                   {"fibre", "bodies of the material point method"},
-                   {"sub_particles", "bodies of the material point method"}};
   return section;
 }
 

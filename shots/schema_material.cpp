@@ -42,6 +42,19 @@ Field curvature_field() {
   return nested("curvature", Kind::table, curvature, curvature.doc);
 }
 
+Field vary_field() {
+  Section section;
+  section.doc =
+      "Factors on the material's own values, as formulas of X, Y, Z, u, v and mesh attributes; a vertex colour "
+      "is colour_x, colour_y, colour_z.";
+  for (const char* key : {"density", "youngs_modulus", "couple_modulus_ratio", "length_scale"}) {
+    Field entry = plain(key, Kind::expression, "Factor on it; above 0.").default_is("1");
+    entry.range = at_least_zero();
+    section.fields.push_back(entry);
+  }
+  return nested("vary", Kind::table, section, section.doc);
+}
+
 Field rest_curvature_field() {
   Section section;
   section.doc = "The curvature that costs nothing, about axis i while moving along j [1/m]: a number, or a formula of "
@@ -62,8 +75,8 @@ Field model_field() {
                  {"micropolar", "physically linear, eq 11", ""},
                  {"micropolar-det", "eq 11 with the volume term of det F", ""},
                  {"micropolar-neo-hookean", "eq 16", ""},
-                 {"plate", "micropolar plates", "micropolar plates"},
-                 {"mpm", "the material point method", "material point method"}},
+                 {"plate", "micropolar plates: triangles with a thickness and a director", ""},
+                 {"mpm", "the material point method: sand, snow, straw, wood, piles of grains", ""}},
                 "The strain energy; micropolar models carry a rotation per node.")
       .required();
 }
@@ -81,10 +94,14 @@ Section material_section() {
       choice("preset", presets, "Values to start from; keys that are given win."),
       model_field(),
       number("density", "kg/m^3", positive(1e9), "Mass per volume at rest.").called("density").standard(1000.0),
-      number("youngs_modulus", "Pa", positive(), "Stiffness against stretch.").called("modulus").required(),
+      number("youngs_modulus", "Pa", positive(), "Stiffness against stretch.")
+          .called("modulus")
+          .required()
+          .or_per({"x", "y", "z"}, positive()),
       number("poisson_ratio", "", strictly_between(-1.0, 0.5), "How much it thins when stretched.")
           .called("ratio")
           .required()
+          .or_per({"yz", "xz", "xy"}, between(-10.0, 10.0))
           .advice("at 0.5 the bulk modulus is infinite and at -1 the shear modulus; use 0.49 for rubber-like matter"),
       number("couple_modulus_ratio", "", at_least_zero(), "mu_c / mu: how firmly microrotations follow the matter.")
           .called("ratio")
@@ -96,13 +113,38 @@ Section material_section() {
       number("rotary_inertia", "kg/m", at_least_zero(), "j0: inertia of the microrotations.")
           .called("inertia")
           .standard(0.0),
+      number("thickness", "m", positive(1e9), "Of a plate.").called("thickness").default_is("that of the body's sheet"),
+      choice(
+          "bending",
+          {{"h3", "h^3/12 (mu |sym K|^2 + mu_c |skew K|^2 + lambda' tr(K)^2): its thickness", ""},
+           {"curv", "h mu L_c^2/2 (alpha |sym K|^2 + beta |skew K|^2 + gamma tr(K)^2): the energy of curvature", ""}},
+          "What resists the bending of a plate; K is the curvature of its director.")
+          .standard("h3"),
+      number("max_stretch", "", between(1.0, 1e6),
+             "Of a plate: principal stretches beyond are resisted steeply, 1 % beyond like a strain of one.")
+          .called("stretch")
+          .default_is("no limit"),
+      choice("microrotation",
+             {{"auto", "condensed where it is exact and nothing reads them, else solved", ""},
+              {"solved", "three unknowns per node", ""},
+              {"condensed", "minimised away in each element; only of micropolar without energy of curvature", ""}},
+             "What becomes of the microrotations.")
+          .standard("auto"),
+      number("mass_damping", "1/s", at_least_zero(), "Force against the momentum of the matter: slows all motion.")
+          .called("damping")
+          .standard(0.0),
+      number("stiffness_damping", "s", at_least_zero(),
+             "Force against the rate of elastic forces: slows vibration, the faster the more.")
+          .called("damping")
+          .standard(0.0),
+      vary_field(),
       curvature_field(),
       rest_curvature_field(),
   };
-  section.later = {{"elasticity", "material point method"},
-                   {"plasticity", "material point method"},
-                   {"plastic_scale", "material point method"},
-                   {"reorient", "material point method"}};
+  for (Field& field : mpm_material_fields()) {
+    section.fields.push_back(std::move(field));
+  }
+  section.one_of = {{{{"plastic_scale"}, {"plastic_map"}, {"stress_map"}}, false, "plastic map"}};
   return section;
 }
 

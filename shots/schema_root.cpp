@@ -15,9 +15,15 @@ Section root_section() {
       nested("material", Kind::named_tables, material_section(),
              "How matter resists; the model decides which solver a body needs."),
       nested("fixed", Kind::named_list, fixed_section(), "Nodes that are held where they rest."),
+      nested("drive", Kind::named_list, drive_section(), "Nodes that are moved along keys."),
+      nested("load", Kind::named_list, load_section(), "Forces and torques that act on nodes."),
       nested("collider", Kind::named_list, collider_section(), "An obstacle that bodies rest on."),
       nested("look", Kind::named_tables, look_section(), "How a body is drawn."),
       nested("fem", Kind::table, fem_section(), "How solids are solved."),
+      nested("contact", Kind::table, contact_section(),
+             "Contact between bodies and within them; without this table bodies feel colliders only.")
+          .default_is("no contact of bodies"),
+      nested("mpm", Kind::table, mpm_section(), "How the material point method runs."),
       nested("render", Kind::table, render_section(), "How frames become pictures."),
       nested("measure", Kind::named_list, measure_section(), "A named scalar per frame, a column of measure.csv."),
       nested("expect", Kind::named_tables, expect_section(),
@@ -25,10 +31,12 @@ Section root_section() {
       plain("sweep", Kind::free,
             "Variants: quoted keys of this file, each with a list of values or a range; [[sweep.case]] for named ones.")
           .affects(Effect::nothing),
+      plain("accuracy", Kind::free, "Ladders for `wry accuracy`: error against run time.").affects(Effect::nothing),
+      plain("stress", Kind::free, "Knobs for `wry stress`: where the shot holds, and where it does not.")
+          .affects(Effect::nothing),
   };
   root.later = {
-      {"contact", "contact between bodies"},    {"drive", "driven nodes"},   {"mpm", "material point method"},
-      {"accuracy", "accuracy report"},          {"stress", "stress report"}, {"light", "lights of a shot's own"},
+      {"light", "lights of a shot's own"},
       {"export", "exports from the shot file"},
   };
   return root;

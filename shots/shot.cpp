@@ -12,9 +12,28 @@ template <class Items> auto* find_named(const Items& items, const std::string& n
 
 } // namespace
 
+bool needs_axis(MeasureKind kind) {
+  switch (kind) {
+  case MeasureKind::extent:
+  case MeasureKind::centre:
+  case MeasureKind::front_position:
+  case MeasureKind::mean_alignment:
+  case MeasureKind::bound_low:
+  case MeasureKind::bound_high:
+  case MeasureKind::tip_position:
+  case MeasureKind::momentum:
+  case MeasureKind::angular_momentum:
+  case MeasureKind::reaction_force:
+  case MeasureKind::reaction_torque:
+    return true;
+  default:
+    return false;
+  }
+}
+
 bool is_micropolar(MaterialModel model) {
   return model == MaterialModel::micropolar || model == MaterialModel::micropolar_det ||
-         model == MaterialModel::micropolar_neo_hookean;
+         model == MaterialModel::micropolar_neo_hookean || model == MaterialModel::plate;
 }
 
 bool Material::has_rest_curvature() const {
@@ -43,6 +62,11 @@ std::string Source::text() const {
     return fmt::format("{}:{}:{}: {}", file, line, column, key);
   }
   return file.empty() ? key : fmt::format("{}: {}", file, key);
+}
+
+bool Shot::is_particles(const Body& body) const {
+  const Material* material = find_material(*body.material);
+  return material != nullptr && *material->model == MaterialModel::mpm;
 }
 
 } // namespace wry::shots

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "shots/frame_range.h"
+#include "shots/shot_mpm.h"
 #include "shots/source.h"
 #include "sim/base/types.h"
 
@@ -23,12 +24,6 @@ namespace wry::shots {
 struct ResolvedTree;
 
 enum class Axis { x, y, z };
-
-/// A number, or a formula of t, X, Y, Z, u, v and mesh attributes; syntax is checked by whoever compiles it.
-struct Expression {
-  std::string text;               ///< numbers too, with all digits
-  std::optional<double> constant; ///< set when a plain number was given
-};
 
 /// [shot]
 struct ShotSettings {
@@ -102,6 +97,10 @@ struct Placed {
   Located<Vec3> translate;         ///< [m], last
 };
 
+/// Kinds of elements: linear, or with quadratic positions; automatic is linear for tets and quadratic for plates.
+enum class Element { automatic, tet4, tet10, tri3, tri6 };
+enum class Quadrature { full, one_point };
+
 /// [[body]]
 struct Body : Placed {
   Source source; ///< of the table
@@ -111,9 +110,14 @@ struct Body : Placed {
   std::optional<Located<double>> resolution; ///< target edge [m]; required unless cells are given or it is a tet mesh
   std::optional<Located<std::array<std::int64_t, 3>>> cells; ///< along x, y, z; of box, rod, sheet, cylinder
   Located<CellSplit> split;
+  Located<Element> element;
+  Located<Quadrature> quadrature;
   Located<std::string> material;            ///< the name of a [material.X] that exists
   std::optional<Located<std::string>> look; ///< a [look.X] or a built-in look; absent: a default look
   Located<Vec3> velocity;                   ///< initial [m/s]
+  ParticleBody particles;                   ///< when the material's model is mpm; a region takes the place of shape
+  /// Rotation vector of the directors at rest [degrees]; nullopt: 0.
+  std::array<std::optional<Located<Expression>>, 3> rest_rotation;
 };
 
 enum class MaterialModel {
@@ -123,12 +127,18 @@ enum class MaterialModel {
   corotated,
   micropolar,
   micropolar_det,
-  micropolar_neo_hookean
+  micropolar_neo_hookean,
+  plate,
+  mpm ///< the material point method: see Material::matter
 };
 /// Whether the model carries microrotations.
 bool is_micropolar(MaterialModel model);
 
 enum class CurvatureModel { isotropic, orthotropic };
+/// What resists the bending of a plate: its thickness, or the energy of curvature.
+enum class PlateBending { h3, curv };
+/// Whether microrotations are unknowns, or minimised away where theory allows.
+enum class Microrotation { automatic, solved, condensed };
 struct Curvature {
   Located<CurvatureModel> model;
   Located<double> alpha, beta, gamma;                      ///< isotropic
@@ -142,13 +152,24 @@ struct Material {
   Located<std::string> name;
   std::optional<Located<std::string>> preset;
   Located<MaterialModel> model;
-  Located<double> density;              ///< [kg/m^3]
-  Located<double> youngs_modulus;       ///< [Pa]
-  Located<double> poisson_ratio;        ///< in (-1, 0.5)
-  Located<double> couple_modulus_ratio; ///< mu_c / mu
-  Located<double> length_scale;         ///< L_c [m]; 0: no curvature energy
-  Located<double> rotary_inertia;       ///< j0 [kg/m]
+  Located<double> density;                    ///< [kg/m^3]
+  Located<double> youngs_modulus;             ///< [Pa]
+  Located<double> poisson_ratio;              ///< in (-1, 0.5)
+  Located<double> couple_modulus_ratio;       ///< mu_c / mu
+  Located<double> length_scale;               ///< L_c [m]; 0: no curvature energy
+  Located<double> rotary_inertia;             ///< j0 [kg/m]
+  std::optional<Located<double>> thickness;   ///< of plates [m]; absent: that of the sheet
+  Located<PlateBending> bending;              ///< of plates
+  std::optional<Located<double>> max_stretch; ///< of plates
+  Located<Microrotation> microrotation;
+  Located<double> mass_damping;      ///< [1/s]
+  Located<double> stiffness_damping; ///< [s]
+  /// Factors on the values above, as formulas; nullopt: 1.
+  struct Vary {
+    std::optional<Located<Expression>> density, youngs_modulus, couple_modulus_ratio, length_scale;
+  } vary;
   Curvature curvature;
+  Matter matter; ///< of mpm
   /// Gamma0 [1/m], [row: axis][column: direction]; nullopt: 0. Formulas see t, X, Y, Z, u, v and mesh attributes.
   std::array<std::array<std::optional<Located<Expression>>, 3>, 3> rest_curvature;
   bool has_rest_curvature() const;
@@ -224,6 +245,35 @@ struct Motion {
   Located<Ease> ease;
 };
 
+enum class DriveMethod { exact, penalty, soft };
+
+/// [[drive]]: nodes moved as a whole from where they rest.
+struct Drive {
+  Source source;
+  Located<std::string> name;
+  Located<std::string> body; ///< the name of a body that exists
+  Region where;
+  Located<bool> positions, microrotations;      ///< from drive = ["positions", "microrotations"]
+  Motion motion;                                ///< none when there are no keys
+  std::optional<Located<std::string>> collider; ///< the name of a collider that exists, in place of keys
+  Located<DriveMethod> method;
+  Located<double> stiffness;            ///< [N/m]
+  Located<double> turning_stiffness;    ///< [N m]
+  std::optional<Located<double>> until; ///< released after this time [s]
+};
+
+enum class LoadPer { volume, area, whole };
+
+/// [[load]]: forces and torques; nullopt: 0.
+struct Load {
+  Source source;
+  Located<std::string> name;
+  Located<std::string> body;   ///< the name of a body that exists
+  std::optional<Region> where; ///< absent: all nodes
+  Located<LoadPer> per;
+  std::array<std::optional<Located<Expression>>, 3> force, torque;
+};
+
 enum class ColliderContact { separate, slip, sticky };
 
 /// [[collider]]
@@ -242,14 +292,24 @@ struct Collider : Placed {
 struct Look {
   Source source;
   Located<std::string> name;
-  Located<Vec3> colour;      ///< linear or sRGB is said by the schema: sRGB, 0..1
-  Located<double> roughness; ///< 0..1
-  Located<double> metallic;  ///< 0..1
-  Located<double> specular;  ///< reflectance at normal incidence of non-metals, 0..0.2
-  Located<double> wrap;      ///< 0..1: light that wraps around soft matter
+  Located<Vec3> colour;                     ///< linear or sRGB is said by the schema: sRGB, 0..1
+  Located<double> roughness;                ///< 0..1
+  Located<double> metallic;                 ///< 0..1
+  Located<double> specular;                 ///< reflectance at normal incidence of non-metals, 0..0.2
+  Located<double> wrap;                     ///< 0..1: light that wraps around soft matter
+  std::optional<Located<std::string>> like; ///< a built-in look that keys not given are taken from
+  std::optional<Located<Vec3>> scatter;     ///< sRGB
+  Located<double> clearcoat, clearcoat_roughness;
+  Located<double> transparency;
+  Located<double> colour_variation, size_variation; ///< from grain to grain
+  Located<bool> own_materials;                      ///< those of the mesh file
 };
 
-enum class Integrator { backward_euler };
+enum class Integrator { backward_euler, bdf2, sdirk2 };
+/// How an angular velocity turns a microrotation over a step.
+enum class RotationUpdate { cayley, exponential };
+/// How rotations at quadrature points come from those of the nodes.
+enum class PointRotations { velocity, rotation_vectors, quaternion_blend, spherical };
 enum class LinearSolver { automatic, pcg, cholesky, stale_cholesky };
 
 /// [fem]; nullopt stands for "auto".
@@ -265,15 +325,47 @@ struct FemOptions {
   std::optional<Located<double>> contact_distance;  ///< d-hat [m]
   std::optional<Located<double>> contact_stiffness; ///< [N/m]
   Located<double> friction_velocity;                ///< [m/s]
-  Located<std::int64_t> checkpoint_every;           ///< [frames]; 0: only the last ones
-  Located<std::int64_t> keep;                       ///< last checkpoints kept
+  Located<RotationUpdate> rotation_update;
+  Located<PointRotations> point_rotations;
+  Located<std::int64_t> reset_every;      ///< [steps]
+  Located<std::int64_t> checkpoint_every; ///< [frames]; 0: only the last ones
+  Located<std::int64_t> keep;             ///< last checkpoints kept
 };
 
-enum class ViewKind { beauty, clay, wire, heat };
+/// Friction at rest and while sliding.
+struct FrictionOptions {
+  Located<double> friction;
+  std::optional<Located<double>> sliding_friction; ///< absent: as at rest
+};
+
+/// [contact.pair.X]
+struct ContactPairOptions {
+  Located<std::string> first, second; ///< names of materials that exist
+  FrictionOptions friction;
+};
+
+/// [contact]
+struct ContactOptions {
+  Source source;
+  Located<bool> between, within;
+  FrictionOptions friction;
+  std::vector<ContactPairOptions> pairs;
+};
+
+enum class ViewKind { beauty, clay, wire, heat, directors, fibres, contacts };
+/// beauty, clay, wire, a heat map, or signs of what is inside: small frames, fibres, contact points.
 struct View {
   ViewKind kind = ViewKind::beauty;
   std::string channel; ///< of heat views: "heat.speed" -> "speed"
   std::string name;    ///< as asked: "heat.speed"
+};
+
+struct CameraKey {
+  Source source;
+  Located<std::int64_t> frame;
+  Located<Vec3> position;              ///< [m]
+  std::optional<Located<Vec3>> target; ///< [m]
+  std::optional<Located<double>> lens; ///< [mm]
 };
 
 struct Camera {
@@ -282,20 +374,42 @@ struct Camera {
   std::optional<Located<Vec3>> target;   ///< [m]; absent: the middle of the sequence's bounds
   Located<double> azimuth_deg;           ///< about up; 0: in front (+z when up is y, or x)
   Located<double> elevation_deg;
-  std::optional<Located<double>> distance; ///< from the target [m]; absent: so that everything fits
-  Located<double> lens;                    ///< focal length [mm] on a 36 mm wide film
-  Located<double> margin;                  ///< part of the picture left free around the subject
+  std::optional<Located<double>> distance;     ///< from the target [m]; absent: so that everything fits
+  Located<double> lens;                        ///< focal length [mm] on a 36 mm wide film
+  Located<double> margin;                      ///< part of the picture left free around the subject
+  std::optional<Located<std::string>> look_at; ///< the name of a body that exists
+  Located<double> orbit_turns;                 ///< over the sequence
+  std::vector<CameraKey> keys;                 ///< in the order of the file
+  std::optional<Located<std::string>> file, node;
+};
+
+enum class LightRig { studio, day, image };
+struct Lights {
+  Source source;
+  Located<LightRig> rig;
+  std::optional<Located<std::string>> image;
+  Located<double> turn_deg, stops;
+  std::optional<Located<std::string>> turn_with; ///< "camera" or "world"
+  Located<bool> show_image;
+};
+
+struct DepthOfField {
+  Source source;
+  Located<double> f_stop;
+  std::optional<Located<double>> focus; ///< [m]; absent: the subject
 };
 
 struct Ground {
   Located<bool> show;
   std::optional<Located<double>> height; ///< along up [m]; absent: the first plane collider, or the lowest point
   Located<Vec3> colour;                  ///< sRGB
+  Located<bool> catch_shadow;            ///< only its shadow is drawn, as alpha
 };
 
 struct Turntable {
   Located<std::int64_t> frames;               ///< pictures of one turn
   std::optional<Located<std::int64_t>> frame; ///< the frame that turns; absent: the last
+  Located<bool> moving;                       ///< the sequence plays while it turns
 };
 
 /// The two ends of a heat map's colour bar; absent ends come from the whole sequence.
@@ -317,21 +431,67 @@ struct RenderOptions {
   Located<Vec3> background; ///< sRGB
   Located<bool> slate;
   Located<bool> shadows;
+  Lights lights;
+  Located<double> motion_blur; ///< open time of the shutter as a part of a frame
+  std::optional<DepthOfField> depth_of_field;
+  Located<bool> filmic;                  ///< else the sRGB curve alone
+  Located<std::int64_t> bits;            ///< 8 or 16
+  Located<bool> alpha;                   ///< the background is left clear
+  std::vector<Located<std::string>> exr; ///< layers: colour, Z, N, velocity, id; empty: no such file
+  Located<bool> contact_sheet;
   Turntable turntable;
   std::vector<HeatRange> heat;
 };
 
-enum class MeasureKind { height, extent, lowest, centre, volume, speed, kinetic_energy, strain_energy };
+enum class MeasureKind {
+  height,
+  extent,
+  lowest,
+  centre,
+  volume,
+  speed,
+  kinetic_energy,
+  strain_energy,
+  run_out,
+  front_position,
+  pile_height,
+  repose_angle,
+  fraction_outside,
+  mean_alignment,
+  second_moment,
+  largest_fragment,
+  curvature_energy,
+  bound_low,
+  bound_high,
+  tip_position,
+  momentum,
+  angular_momentum,
+  reaction_force,
+  reaction_torque,
+  element_twist_max,
+  rotation_distance,
+  curvature_error,
+  rotation_interpolation_error,
+  curve_radius,
+  curve_pitch
+};
+/// Whether a kind is measured along or about an axis, which must then be given.
+bool needs_axis(MeasureKind kind);
+/// Where rotations are compared.
+enum class MeasureAt { nodes, points, centroid };
 
 /// [[measure]]: a named scalar per frame.
 struct Measure {
   Source source;
   Located<std::string> name;
   Located<MeasureKind> kind;
-  Located<std::string> body;         ///< the name of a body that exists; may be left out when the shot has one body
-  std::optional<Located<Axis>> axis; ///< of extent and centre
-  std::optional<Region> where;       ///< only these nodes; absent: all
-  Located<bool> relative;            ///< divided by the value in the first frame
+  Located<std::string> body;          ///< the name of a body that exists; may be left out when the shot has one body
+  std::optional<Located<Axis>> axis;  ///< of kinds that need one
+  std::optional<Located<Vec3>> about; ///< of torques and angular momenta [m]; absent: the middle of the nodes
+  Located<MeasureAt> at;
+  Located<PointRotations> rule;
+  std::optional<Region> where; ///< only these nodes; absent: all
+  Located<bool> relative;      ///< divided by the value in the first frame
 };
 
 /// [expect.X]: a measure in a frame lies within [min, max].
@@ -353,9 +513,13 @@ struct Shot {
   std::vector<Body> bodies;
   std::vector<Material> materials;
   std::vector<Fixed> fixed;
+  std::vector<Drive> drives;
+  std::vector<Load> loads;
   std::vector<Collider> colliders;
   std::vector<Look> looks;
   FemOptions fem;
+  std::optional<ContactOptions> contact;
+  MpmOptions mpm;
   RenderOptions render;
   std::vector<Measure> measures;
   std::vector<Expectation> expectations;
@@ -365,6 +529,8 @@ struct Shot {
   const Material* find_material(const std::string& name) const; ///< nullptr: there is none
   const Look* find_look(const std::string& name) const;         ///< nullptr: there is none
   const Body* find_body(const std::string& name) const;         ///< nullptr: there is none
+  /// Whether a body is made of particles.
+  bool is_particles(const Body& body) const;
 };
 
 } // namespace wry::shots

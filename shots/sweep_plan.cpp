@@ -1,5 +1,6 @@
 #include "shots/sweep_plan.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -44,9 +45,23 @@ Status check_schema_key(const std::string& key) {
 /// Reads [sweep] part by part.
 class SweepReader {
 public:
-  SweepReader(const Table& root, Diagnostics& diagnostics)
+  SweepReader(const Table& root, std::string section, Diagnostics& diagnostics)
       : m_root(root)
+      , m_section(std::move(section))
       , m_diagnostics(diagnostics) {}
+
+  std::vector<SweepAxis> read_axes(const std::vector<std::string>& reserved) {
+    const Value* value = m_root.find(m_section);
+    const Table* table = value ? value->get<Table>() : nullptr;
+    if (table) {
+      for (const Entry& entry : table->entries()) {
+        if (std::find(reserved.begin(), reserved.end(), entry.key) == reserved.end()) {
+          read_axis(entry.key, entry.value);
+        }
+      }
+    }
+    return std::move(m_plan.axes);
+  }
 
   SweepPlan read() {
     const Value* value = m_root.find("sweep");
@@ -100,7 +115,7 @@ private:
       }
       return;
     }
-    const std::string path = "sweep." + to_toml_key(key);
+    const std::string path = m_section + "." + to_toml_key(key);
     SweepAxis axis{key, value.place.source(path), {}, {}};
     if (table ? read_range(*table, value, path, axis) : read_list(value, path, axis)) {
       if (reaches(key, value, path)) {
@@ -169,7 +184,8 @@ private:
 
   /// Whether the key leads somewhere in this shot.
   bool reaches(const std::string& key, const Value& value, const std::string& path) {
-    const bool refused = key == "extends" || key.rfind("sweep", 0) == 0;
+    const bool refused =
+        key == "extends" || key.rfind("sweep", 0) == 0 || key.rfind("accuracy", 0) == 0 || key.rfind("stress", 0) == 0;
     Status set = refused ? Status(make_error(ErrorCode::bad_input, "this key cannot be swept")) : check_schema_key(key);
     if (set) {
       set = check_key(m_root, key);
@@ -234,6 +250,7 @@ private:
   }
 
   const Table& m_root;
+  std::string m_section;
   Diagnostics& m_diagnostics;
   SweepPlan m_plan;
 };
@@ -241,7 +258,12 @@ private:
 } // namespace
 
 SweepPlan plan_sweep(const Table& root, Diagnostics& diagnostics) {
-  return SweepReader(root, diagnostics).read();
+  return SweepReader(root, "sweep", diagnostics).read();
+}
+
+std::vector<SweepAxis> plan_axes(const Table& root, const std::string& section,
+                                 const std::vector<std::string>& reserved, Diagnostics& diagnostics) {
+  return SweepReader(root, section, diagnostics).read_axes(reserved);
 }
 
 } // namespace wry::shots

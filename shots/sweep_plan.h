@@ -43,4 +43,9 @@ struct SweepPlan {
 /// Reads [sweep] from an unchecked document; what is wrong goes to `diagnostics`. Without [sweep]: nothing.
 SweepPlan plan_sweep(const Table& root, Diagnostics& diagnostics);
 
+/// The axes of another section that is written like [sweep]: every key but the reserved ones is a key of this shot with
+/// a list of values or a range. What is wrong goes to `diagnostics`. Without that section: nothing.
+std::vector<SweepAxis> plan_axes(const Table& root, const std::string& section,
+                                 const std::vector<std::string>& reserved, Diagnostics& diagnostics);
+
 } // namespace wry::shots

@@ -18,7 +18,7 @@ TEST(Load, ReadsEveryKeyAsItWasWritten) {
   EXPECT_EQ(shot->shot.frames->count(), 25u);
   EXPECT_DOUBLE_EQ((*shot->shot.gravity)[2], -1.62);
   EXPECT_EQ(*shot->shot.up, Axis::z);
-  ASSERT_EQ(shot->bodies.size(), 7u);
+  ASSERT_EQ(shot->bodies.size(), 10u);
   const Body& body = shot->bodies[0];
   EXPECT_THAT(*std::get<MeshShape>(body.shape).path, testing::EndsWith("shots/meshes/thing.obj"));
   EXPECT_EQ(body.size->measure, SizeMeasure::height);
@@ -98,15 +98,22 @@ TEST(Load, NamesTheNearestKey) {
 }
 
 TEST(Load, SaysWhatALaterBuildWillHave) {
-  EXPECT_THAT(refusal(load_with("[contact]\nfriction = 1\n")),
-              HasSubstr("this build has no contact between bodies yet"));
   EXPECT_THAT(refusal(load_text(replaced(SMALL_SHOT, "\"micropolar\"", "\"plate\""))),
-              HasSubstr("this build has no micropolar plates yet"));
-  EXPECT_THAT(refusal(load_text(replaced(SMALL_SHOT, "\"micropolar\"", "\"mpm\""))),
-              HasSubstr("no material point method"));
+              HasSubstr("material.skin.thickness is missing: a plate that is no sheet"));
   EXPECT_THAT(refusal(load_text(replaced(SMALL_SHOT, "box = { size = [1, 1, 1] }", "region = { box = 1 }"))),
               testing::Not(HasSubstr("shape is missing")))
       << "one cause, one error";
+}
+
+TEST(Load, ContactIsThereWhenItsTableIsAndSlidesAsItRestsUnlessToldOtherwise) {
+  EXPECT_FALSE(load_text(SMALL_SHOT)->contact.has_value());
+  const Result<Shot> shot = load_with("[contact]\nfriction = 0.7\n");
+  ASSERT_TRUE(shot) << shot.error().message;
+  ASSERT_TRUE(shot->contact.has_value());
+  EXPECT_TRUE(*shot->contact->between && *shot->contact->within);
+  EXPECT_EQ(*shot->contact->friction.friction, 0.7);
+  EXPECT_FALSE(shot->contact->friction.sliding_friction.has_value());
+  EXPECT_FALSE(load_with("[contact.pair.a]\nfirst = \"skin\"\nsecond = \"nobody\"\nfriction = 1\n").ok());
 }
 
 TEST(Load, StatesUnitsAndTheAdmissibleInterval) {
