@@ -106,7 +106,8 @@ function(wry_add_kernel target file)
   endforeach()
 endfunction()
 
-# wry_add_tests(room LIBS...): tests/<room>/*_test.cpp as test_<room>; *_long_test.cpp as test_<room>_long, labelled long.
+# wry_add_tests(room LIBS...): tests/<room>/*_test.cpp as test_<room>; *_long_test.cpp as test_<room>_long, labelled
+# long (and only that: gtest_discover_tests hands on one label).
 function(wry_add_tests room)
   file(GLOB all CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${room}/*_test.cpp)
   wry_filter_optional_sources(all ${all})
@@ -120,7 +121,7 @@ function(wry_add_tests room)
     wry_add_test_program(test_${room} "${short};${support}" "${ARGN}" "${room}")
   endif()
   if(long)
-    wry_add_test_program(test_${room}_long "${long};${support}" "${ARGN}" "${room};long")
+    wry_add_test_program(test_${room}_long "${long};${support}" "${ARGN}" long)
   endif()
 endfunction()
 

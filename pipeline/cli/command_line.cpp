@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <new>
 #include <string>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "pipeline/assets/import_child.h"
 #include "pipeline/cli/verb.h"
 #include "pipeline/plan/build_id.h"
+#include "pipeline/run/engines/job_process.h"
 #include "pipeline/run/signals.h"
 
 namespace wry::pipeline {
@@ -21,6 +23,17 @@ constexpr const char* FOOTER =
     "66 missing input; 69 not on this machine or in this build; 70 solver gave up; 71 out of memory;\n"
     "73 cannot write, or locked by another run; 74 i/o error; 75 stopped, resumable.\n"
     "First steps: wry plan shots/bunny.toml, then wry run shots/bunny.toml --frames 1-24";
+
+void add_study_options(CLI::App& command, Invocation& invocation) {
+  command.add_option("--engine", invocation.engine, "local or slurm: where the jobs run");
+  command.add_option("--jobs", invocation.jobs, "processes at a time (default: one per core)")
+      ->check(CLI::Range(0, 10000));
+  command.add_option("--chunk", invocation.chunk, "frames per rendering job (default: all in one)")
+      ->check(CLI::Range(0, 1000000));
+  command.add_flag("--list", invocation.list, "say which jobs there are, run none; with --json: the job graph");
+  command.add_flag("--only-failed", invocation.only_failed, "run only what failed before");
+  command.add_flag("--collect", invocation.collect, "run nothing: table and pictures of what is there");
+}
 
 void add_options(CLI::App& command, const Verb& verb, Invocation& invocation) {
   const auto takes = [&](VerbOption option) { return (verb.options & option) != 0; };
@@ -56,8 +69,24 @@ void add_options(CLI::App& command, const Verb& verb, Invocation& invocation) {
     command.add_option("--frame", invocation.turntable_frame, "which frame to show (default: the last one there is)");
   if (takes(TAKES_MARKDOWN))
     command.add_flag("--markdown", invocation.markdown, "the same as tables for people");
+  if (takes(TAKES_WITH)) {
+    command.add_option("--with", invocation.with, "DIR: the folder to compare with");
+    command.add_option("--mode", invocation.mode, "split (default) or difference");
+  }
+  if (takes(TAKES_FORMATS))
+    command.add_option("--to", invocation.to, "FORMAT[,FORMAT...]: ply, obj, vdb, usda, pc2, xdmf")->required();
+  if (takes(TAKES_STUDY))
+    add_study_options(command, invocation);
+  if (takes(TAKES_TASK)) {
+    command.add_option("--stage", invocation.stage)->required();
+    command.add_option("--task", invocation.task)->required();
+  }
   if (takes(TAKES_GL))
     command.add_option("--part", invocation.part)->group("");
+  if (takes(TAKES_THREADS))
+    command.add_option("--shared", invocation.shared)->group("");
+  if (takes(IS_INTERNAL))
+    command.group("");
   command.add_flag("--quiet", invocation.quiet, "errors only");
   command.add_flag("--json", invocation.json, "machine-readable output on standard output");
   command.footer(std::string(verb.help));
@@ -83,6 +112,14 @@ int run_chosen(const Verb& verb, const Invocation& invocation) {
                            "out of memory; a coarser resolution needs less, `wry plan` says how much"),
                 invocation);
     return static_cast<int>(ErrorCode::out_of_memory);
+  } catch (const std::system_error& failure) {
+    // A thread whose stack finds no room ends here.
+    const bool no_room =
+        failure.code() == std::errc::resource_unavailable_try_again || failure.code() == std::errc::not_enough_memory;
+    print_error(make_error(no_room ? ErrorCode::out_of_memory : ErrorCode::io, "{}: {}",
+                           no_room ? "out of memory or threads" : "unexpected", failure.what()),
+                invocation);
+    return static_cast<int>(no_room ? ErrorCode::out_of_memory : ErrorCode::io);
   } catch (const std::exception& exception) {
     print_error(make_error(ErrorCode::io, "unexpected: {}", exception.what()), invocation);
     return static_cast<int>(ErrorCode::io);
@@ -94,6 +131,7 @@ int run_chosen(const Verb& verb, const Invocation& invocation) {
 int run_command_line(int argc, char** argv) {
   if (is_import_child(argc, argv))
     return import_child_main(argc, argv);
+  follow_parent();
   if (const Status signals = install_stop_signals(); !signals) {
     std::fprintf(stderr, "wry: %s\n", signals.error().message.c_str());
     return static_cast<int>(signals.error().code);

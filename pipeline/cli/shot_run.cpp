@@ -15,17 +15,35 @@ namespace wry::pipeline {
 
 namespace {
 
+/// "3063 steps, shortest 0.000333 s, bound by the wave speed 2980, frame 83; 6.5 M particle-steps/s"
+std::string particle_text(const StepTotals::Particles& totals) {
+  std::string limits;
+  for (int i = 0; i < 5; ++i) {
+    if (totals.by_limit[i] > 0)
+      limits += fmt::format("{}{} {}", limits.empty() ? "" : ", ", mpm::step_limit_name(static_cast<mpm::StepLimit>(i)),
+                            totals.by_limit[i]);
+  }
+  std::string text = fmt::format("{} steps, shortest {:.3g} s, bound by {}; {:.3g} M particle-steps/s", totals.steps,
+                                 totals.smallest_dt, limits, 1e-3 * totals.particle_steps / totals.total_ms);
+  if (totals.cut > 0)
+    text += fmt::format("; mpm.time_step was unstable and cut in {} of them", totals.cut);
+  return text;
+}
+
 void print_totals(const ScenePlan& plan, const SimulateOutcome& outcome) {
   const StepTotals& totals = outcome.totals;
   if (outcome.frames_written == 0) {
     fmt::print("{}: all {} frames were there already\n", plan.name, outcome.frames_kept);
     return;
   }
-  fmt::print("{}: {} frames simulated in {}{}: {} steps, {} Newton iterations, {} linear iterations, {} cuts; worst "
-             "residual {:.2g} N s\n",
-             plan.name, outcome.frames_written, human_duration(outcome.wall_seconds),
-             outcome.resumed_from > 0 ? fmt::format(", resumed from frame {}", outcome.resumed_from) : "", totals.steps,
-             totals.newton_iterations, totals.linear_iterations, totals.cuts, totals.worst_residual);
+  fmt::print("{}: {} frames simulated in {}{}\n", plan.name, outcome.frames_written,
+             human_duration(outcome.wall_seconds),
+             outcome.resumed_from > 0 ? fmt::format(", resumed from frame {}", outcome.resumed_from) : "");
+  if (totals.steps > 0)
+    fmt::print("  solids: {} steps, {} Newton iterations, {} linear iterations, {} cuts; worst residual {:.2g} N s\n",
+               totals.steps, totals.newton_iterations, totals.linear_iterations, totals.cuts, totals.worst_residual);
+  if (totals.particles.steps > 0)
+    fmt::print("  particles: {}\n", particle_text(totals.particles));
 }
 
 Status write_summary(const ShotSession& session, const ScenePlan& plan, const SimulateOutcome& outcome,
@@ -55,7 +73,17 @@ Status write_summary(const ShotSession& session, const ScenePlan& plan, const Si
                                     {"evaluate_ms", totals.evaluate_ms},
                                     {"assemble_ms", totals.assemble_ms},
                                     {"solve_ms", totals.solve_ms},
-                                    {"total_ms", totals.total_ms}}},
+                                    {"total_ms", totals.total_ms},
+                                    {"particles",
+                                     {{"steps", totals.particles.steps},
+                                      {"particle_steps", totals.particles.particle_steps},
+                                      {"shortest_step_s", totals.particles.smallest_dt},
+                                      {"steps_cut", totals.particles.cut},
+                                      {"sort_ms", totals.particles.sort_ms},
+                                      {"scatter_ms", totals.particles.scatter_ms},
+                                      {"grid_ms", totals.particles.grid_ms},
+                                      {"gather_ms", totals.particles.gather_ms},
+                                      {"total_ms", totals.particles.total_ms}}}}},
                                   {"measures", measures}};
   return write_file_atomically(session.out / "summary.json",
                                summary.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
@@ -106,6 +134,7 @@ Status draw_session(const ShotSession& session, const Invocation& invocation) {
   options.out = session.out;
   options.frames = session.frames;
   options.backend = *backend;
+  options.source = invocation.follow ? RenderOptions::Frames::follow : RenderOptions::Frames::cached;
   options.talk = invocation.quiet ? RenderOptions::Talk::quiet : RenderOptions::Talk::normal;
   const int processes = rendering_processes(invocation, session.frames.size());
   if (!invocation.part.empty()) {
@@ -116,7 +145,7 @@ Status draw_session(const ShotSession& session, const Invocation& invocation) {
     for (int part = 0; part < processes; ++part) {
       std::vector<std::string> words = {"render"};
       words.insert(words.end(), invocation.original_arguments.begin(), invocation.original_arguments.end());
-      std::erase_if(words, [](const std::string& word) { return word == "--fresh" || word == "--follow"; });
+      std::erase_if(words, [](const std::string& word) { return word == "--fresh"; });
       words.push_back("--part");
       words.push_back(fmt::format("{}/{}", part, processes));
       command_lines.push_back(std::move(words));
@@ -132,6 +161,10 @@ Status encode_session(const ShotSession& session) {
     std::vector<std::filesystem::path> pictures;
     for (const int frame : session.frames)
       pictures.push_back(picture_path(session.out, *session.shot.shot.name, view->name, frame));
+    if (*session.shot.render.contact_sheet && !session.frames.empty()) {
+      if (Status status = write_contact_sheet(session.shot, session.out, view->name, session.frames); !status)
+        return status;
+    }
     if (pictures.size() < 2)
       continue;
     const Status status =

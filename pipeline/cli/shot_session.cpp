@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "pipeline/run/engines/job_process.h"
 #include "pipeline/run/signals.h"
 #include "shots/load.h"
 
@@ -29,7 +30,7 @@ Result<ShotSession> open_session(const Invocation& invocation) {
   Result<shots::Shot> shot = shots::load_shot(invocation.subject, overrides);
   if (!shot)
     return shot.error();
-  ShotSession session{std::move(*shot), {}, {}, Isa::sse4};
+  ShotSession session{std::move(*shot), {}, {}, Isa::sse4, invocation.shared};
   session.out = invocation.out.empty() ? std::filesystem::path("out") / *session.shot.shot.name
                                        : std::filesystem::path(invocation.out);
   session.frames = session.shot.shot.frames->frames();
@@ -50,11 +51,12 @@ Result<ShotSession> open_session(const Invocation& invocation) {
 }
 
 Result<ScenePlan> plan_session(const ShotSession& session) {
-  return compile_scene(session.shot, {session.frames, session.isa});
+  return compile_scene(session.shot, {session.frames, session.isa, session.shared});
 }
 
 Result<std::vector<ChildOutcome>> run_self(const std::vector<std::vector<std::string>>& command_lines) {
   std::vector<pid_t> children;
+  announce_parent();
   for (const std::vector<std::string>& words : command_lines) {
     std::vector<char*> arguments = {const_cast<char*>("wry")};
     for (const std::string& word : words)

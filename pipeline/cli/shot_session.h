@@ -16,6 +16,7 @@ struct ShotSession {
   std::filesystem::path out;
   std::vector<int> frames; ///< --frames, or those of the shot
   Isa isa = Isa::sse4;
+  std::string shared; ///< --shared
 };
 
 /// Loads the shot with --set and --case. Errors: usage, bad_input, missing_input, unavailable (--isa).

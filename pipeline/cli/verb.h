@@ -20,15 +20,27 @@ struct Invocation {
   std::string out;               ///< --out; empty: out/<shot>
   std::string isa = "auto";
   std::string gl = "auto";
-  std::string part;        ///< internal: "i/n", which frames this rendering process draws
-  int threads = 0;         ///< 0: all cores
-  int turntable_frame = 0; ///< --frame: which frame a turntable shows; 0: the last one that is there
+  std::string with;             ///< --with: the other folder of compare
+  std::string mode;             ///< --mode: split or difference
+  std::string part;             ///< internal: "i/n", which frames this rendering process draws
+  std::string shared;           ///< internal: folder of meshes that the variants of a study share
+  std::string to;               ///< formats of `wry export`, with commas between
+  std::string engine = "local"; ///< where a study's jobs run
+  std::string stage;            ///< of `wry job`
+  int task = 0;                 ///< of `wry job`
+  int jobs = 0;                 ///< processes at a time; 0: one per core
+  int chunk = 0;                ///< frames per rendering job of a study; 0: all
+  int threads = 0;              ///< 0: all cores
+  int turntable_frame = 0;      ///< --frame: which frame a turntable shows; 0: the last one that is there
   bool fresh = false;
   bool follow = false;
   bool quiet = false;
   bool json = false;
   bool dry_run = false;
   bool markdown = false;
+  bool list = false;                           ///< only say which jobs a study has
+  bool only_failed = false;                    ///< only what failed before
+  bool collect = false;                        ///< run nothing: table and pictures of what is there
   std::vector<std::string> original_arguments; ///< behind the verb, to start the same again
 };
 
@@ -45,6 +57,11 @@ enum VerbOption : std::uint32_t {
   TAKES_DRY_RUN = 1u << 8,
   TAKES_FRAME = 1u << 9,
   TAKES_MARKDOWN = 1u << 10,
+  TAKES_WITH = 1u << 15,
+  TAKES_STUDY = 1u << 11, ///< --list --jobs --engine --only-failed --collect --chunk
+  TAKES_TASK = 1u << 12,  ///< --stage --task
+  TAKES_FORMATS = 1u << 14,
+  IS_INTERNAL = 1u << 13, ///< not in `wry --help`
 };
 
 /// One command of `wry`.
@@ -65,7 +82,12 @@ Status simulate_verb(const Invocation&);
 Status render_verb(const Invocation&);
 Status plan_verb(const Invocation&);
 Status turntable_verb(const Invocation&);
+Status compare_verb(const Invocation&);
 Status sweep_verb(const Invocation&);
+Status accuracy_verb(const Invocation&);
+Status stress_verb(const Invocation&);
+Status export_verb(const Invocation&);
+Status job_verb(const Invocation&);
 Status check_verb(const Invocation&);
 Status list_verb(const Invocation&);
 Status schema_verb(const Invocation&);

@@ -26,6 +26,10 @@ fem::ElasticModel elastic_model(shots::MaterialModel model) {
     return fem::ElasticModel::micropolar_det;
   case shots::MaterialModel::micropolar_neo_hookean:
     return fem::ElasticModel::micropolar_neo_hookean;
+  case shots::MaterialModel::plate: // the elements make the difference
+    return fem::ElasticModel::micropolar;
+  case shots::MaterialModel::mpm: // no body of it comes here
+    break;
   }
   return fem::ElasticModel::neo_hookean;
 }
@@ -44,7 +48,50 @@ fem::LinearSolver linear_solver(shots::LinearSolver solver) {
   return fem::LinearSolver::automatic;
 }
 
+fem::Friction compile_friction(const shots::FrictionOptions& options) {
+  const double at_rest = *options.friction;
+  return {at_rest, options.sliding_friction ? **options.sliding_friction : at_rest};
+}
+
+fem::Integrator integrator(shots::Integrator integrator) {
+  switch (integrator) {
+  case shots::Integrator::backward_euler:
+    return fem::Integrator::backward_euler;
+  case shots::Integrator::bdf2:
+    return fem::Integrator::bdf2;
+  case shots::Integrator::sdirk2:
+    return fem::Integrator::sdirk2;
+  }
+  return fem::Integrator::backward_euler;
+}
+
+fem::PointRotations point_rotations(shots::PointRotations rule) {
+  switch (rule) {
+  case shots::PointRotations::velocity:
+    return fem::PointRotations::interpolated_velocity;
+  case shots::PointRotations::rotation_vectors:
+    return fem::PointRotations::rotation_vectors;
+  case shots::PointRotations::quaternion_blend:
+    return fem::PointRotations::quaternion_blend;
+  case shots::PointRotations::spherical:
+    return fem::PointRotations::spherical_average;
+  }
+  return fem::PointRotations::interpolated_velocity;
+}
+
 } // namespace
+
+std::optional<fem::ContactOptions> compile_contact(const std::optional<shots::ContactOptions>& contact) {
+  if (!contact)
+    return std::nullopt;
+  fem::ContactOptions compiled;
+  compiled.between_bodies = *contact->between;
+  compiled.within_bodies = *contact->within;
+  compiled.friction = compile_friction(contact->friction);
+  for (const shots::ContactPairOptions& pair : contact->pairs)
+    compiled.pairs.push_back({*pair.first, *pair.second, compile_friction(pair.friction)});
+  return compiled;
+}
 
 Error at_source(const shots::Source& source, Error error) {
   error.message = source.text() + ": " + error.message;
@@ -65,6 +112,12 @@ fem::FemMaterial compile_material(const shots::Material& material) {
   compiled.couple_modulus_ratio = *material.couple_modulus_ratio;
   compiled.length_scale = *material.length_scale;
   compiled.rotary_inertia = *material.rotary_inertia;
+  compiled.plate_bending =
+      *material.bending == shots::PlateBending::h3 ? fem::PlateBending::h3 : fem::PlateBending::curv;
+  if (material.max_stretch)
+    compiled.max_stretch = **material.max_stretch;
+  compiled.mass_damping = *material.mass_damping;
+  compiled.stiffness_damping = *material.stiffness_damping;
   compiled.alpha = *material.curvature.alpha;
   compiled.beta = *material.curvature.beta;
   compiled.gamma = *material.curvature.gamma;
@@ -90,6 +143,12 @@ fem::FemSettings compile_fem_settings(const shots::FemOptions& options, double f
   settings.max_time_step =
       options.time_step ? **options.time_step : frame_time / std::max(1.0, std::ceil(frame_time / AUTOMATIC_TIME_STEP));
   settings.min_time_step = *options.min_time_step;
+  settings.integrator = integrator(*options.integrator);
+  settings.rotation_update = *options.rotation_update == shots::RotationUpdate::exponential
+                                 ? fem::RotationUpdate::exponential
+                                 : fem::RotationUpdate::cayley;
+  settings.point_rotations = point_rotations(*options.point_rotations);
+  settings.reset_every = static_cast<int>(*options.reset_every);
   settings.newton_tolerance = *options.newton_tolerance;
   settings.max_newton_iterations = static_cast<int>(*options.max_newton_iterations);
   settings.linear_solver = linear_solver(*options.linear_solver);

@@ -11,12 +11,11 @@ namespace wry::pipeline {
 /// The material of a shot as the elements need it. `label` names it in messages.
 fem::FemMaterial compile_material(const shots::Material& material);
 
-/// Gamma0 of a material as a function of place and time, empty when it has none. Errors: bad_input with the key's line
-/// for a formula that does not compile.
-Result<fem::RestCurvature> compile_rest_curvature(const shots::Material& material);
-
 /// [fem] as the solver needs it; "auto" becomes a number here. `fps` bounds the automatic time step.
 fem::FemSettings compile_fem_settings(const shots::FemOptions& options, double fps);
+
+/// [contact] as the solver needs it.
+std::optional<fem::ContactOptions> compile_contact(const std::optional<shots::ContactOptions>& contact);
 
 /// Unit vector along an axis.
 Vec3 axis_vector(shots::Axis axis);

@@ -3,15 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "pipeline/cache/sha256.h"
 #include "pipeline/plan/build_id.h"
+#include "pipeline/plan/compile_boundary.h"
 #include "pipeline/plan/compile_collider.h"
 #include "pipeline/plan/compile_fem.h"
+#include "pipeline/plan/compile_fields.h"
+#include "pipeline/plan/compile_mpm.h"
 #include "pipeline/plan/compile_region.h"
-#include "pipeline/plan/mesh_body.h"
+#include "pipeline/plan/element_warnings.h"
+#include "pipeline/plan/microrotations.h"
 #include "pipeline/plan/plan_lines.h"
+#include "pipeline/plan/shared_mesh.h"
 #include "shots/resolved.h"
 #include "sim/base/parallel.h"
 
@@ -35,11 +41,17 @@ public:
     m_plan.sim.up = axis_vector(*m_shot.shot.up);
     m_plan.sim.fem.gravity = *m_shot.shot.gravity;
     m_plan.sim.fem.settings = compile_fem_settings(m_shot.fem, m_plan.sim.fps);
+    m_plan.sim.fem.contact = compile_contact(m_shot.contact);
     using Part = Status (SceneCompiler::*)();
-    for (const Part part : {&SceneCompiler::compile_bodies, &SceneCompiler::compile_fixed,
-                            &SceneCompiler::compile_colliders, &SceneCompiler::compile_measures}) {
+    for (const Part part :
+         {&SceneCompiler::compile_bodies, &SceneCompiler::compile_particle_bodies, &SceneCompiler::compile_fixed,
+          &SceneCompiler::compile_colliders, &SceneCompiler::compile_drives, &SceneCompiler::compile_measures}) {
       if (Status status = (this->*part)(); !status)
         return status.error();
+    }
+    for (const shots::Located<shots::View>& view : m_shot.render.views) {
+      if (view->channel == "curvature_energy_density")
+        m_plan.sim.fem.outputs.curvature_energy = true;
     }
     m_plan.simulation_key = simulation_key();
     m_plan.cost = estimate_cost(m_plan);
@@ -49,11 +61,14 @@ public:
 
 private:
   Status compile_bodies();
+  Status compile_particle_bodies();
   Status compile_fixed();
   Status compile_colliders();
+  Status compile_drives();
   Status compile_measures();
+  Status describe_measured_body(const shots::Measure& measure, MeasurePlan& compiled) const;
+  scene::RestPoints measured_points(std::size_t body) const;
   std::string simulation_key() const;
-  std::size_t body_index(const std::string& name) const;
 
   const shots::Shot& m_shot;
   const PlanOptions& m_options;
@@ -61,33 +76,87 @@ private:
   ScenePlan m_plan;
 };
 
-std::size_t SceneCompiler::body_index(const std::string& name) const {
-  const auto& bodies = m_plan.sim.fem.bodies;
-  return static_cast<std::size_t>(
-      std::find_if(bodies.begin(), bodies.end(), [&](const fem::FemBody& body) { return body.name == name; }) -
-      bodies.begin());
+/// The body's elements, once its material and mesh are set; midpoints are added where they are quadratic.
+void set_elements(const shots::Body& body, const shots::Material& material, const MeshedBody& meshed,
+                  fem::FemBody& compiled) {
+  using shots::Element;
+  const bool plate = *material.model == shots::MaterialModel::plate;
+  if (*body.quadrature == shots::Quadrature::one_point)
+    compiled.element = fem::ElementKind::tet4_one_point;
+  if (plate) {
+    compiled.element = fem::ElementKind::plate3;
+    compiled.triangles = meshed.triangles;
+    compiled.thickness = material.thickness ? **material.thickness : meshed.sheet_thickness;
+  }
+  const bool quadratic = plate ? *body.element != Element::tri3 : *body.element == Element::tet10;
+  if (quadratic)
+    compiled = fem::with_midpoints(std::move(compiled));
+}
+
+double area_of(const geometry::TetMesh& mesh, const Triangles& triangles) {
+  double area = 0.0;
+  for (Eigen::Index i = 0; i < triangles.rows(); ++i) {
+    const Vec3 origin = mesh.vertices.row(triangles(i, 0));
+    const Vec3 a = mesh.vertices.row(triangles(i, 1)).transpose() - origin;
+    const Vec3 b = mesh.vertices.row(triangles(i, 2)).transpose() - origin;
+    area += 0.5 * a.cross(b).norm();
+  }
+  return area;
+}
+
+std::size_t count_unknowns(const fem::FemBody& body) {
+  const auto nodes = static_cast<std::size_t>(body.mesh->vertices.rows());
+  if (!fem::is_micropolar(body.material.model))
+    return 3 * nodes;
+  return 6 * nodes - 3 * body.edges.size();
 }
 
 Status SceneCompiler::compile_bodies() {
   if (m_shot.bodies.empty())
     return make_error(ErrorCode::bad_input, "{}: there is no [[body]], so there is nothing to simulate", m_shot.file);
   for (const shots::Body& body : m_shot.bodies) {
-    Result<MeshedBody> meshed = mesh_body(body, *m_shot.shot.up);
+    if (m_shot.is_particles(body))
+      continue;
+    const shots::Material& material = *m_shot.find_material(*body.material);
+    const bool plate = *material.model == shots::MaterialModel::plate;
+    Result<MeshedBody> meshed =
+        mesh_body_shared(m_shot, body, plate ? Filling::nothing : Filling::tets, m_options.shared);
     if (!meshed)
       return meshed.error();
-    const shots::Material& material = *m_shot.find_material(*body.material);
     fem::FemBody compiled;
     compiled.name = *body.name;
     compiled.mesh = meshed->mesh;
     compiled.material = compile_material(material);
+    const MicrorotationChoice choice = choose_microrotations(m_shot, body, material);
+    if (choice.condensed)
+      compiled.material.model = fem::ElasticModel::corotated;
+    if (!choice.warning.empty())
+      m_plan.warnings.push_back(choice.warning);
+    if (shots::is_micropolar(*material.model))
+      (choice.condensed ? m_plan.left_out : m_plan.runs)
+          .push_back({"microrotations of " + *body.name, (choice.condensed ? "condensed: " : "") + choice.why});
     compiled.initial_velocity = *body.velocity;
-    Result<fem::RestCurvature> rest_curvature = compile_rest_curvature(material);
+    set_elements(body, material, *meshed, compiled);
+    Result<fem::RestCurvature> rest_curvature =
+        compile_rest_curvature(material, meshed->mesh, m_plan.sim.time_of(m_plan.sim.last_frame));
     if (!rest_curvature)
       return rest_curvature.error();
     compiled.rest_curvature = std::move(*rest_curvature);
+    compiled.rest_curvature_moves = rest_curvature_moves(material);
+    Result<fem::MaterialFactors> factors = compile_factors(material, *meshed->mesh);
+    if (!factors)
+      return factors.error();
+    compiled.factors = std::move(*factors);
+    if (Status status = compile_rest_rotation(body, compiled); !status)
+      return status;
     BodyReport& report = meshed->report;
     report.model = describe_material(compiled.material);
-    report.dofs = report.nodes * (fem::is_micropolar(compiled.material.model) ? 6 : 3);
+    report.dofs = count_unknowns(compiled);
+    report.model += describe_elements(compiled);
+    if (plate)
+      report.volume = compiled.thickness * area_of(*compiled.mesh, compiled.triangles);
+    for (std::string& warning : element_warnings(compiled, report))
+      m_plan.warnings.push_back(std::move(warning));
     report.mass = report.volume * compiled.material.density;
     m_plan.bodies.push_back(std::move(report));
     m_plan.body_looks.push_back(body.look ? **body.look : std::string());
@@ -97,11 +166,51 @@ Status SceneCompiler::compile_bodies() {
   return {};
 }
 
+/// After the solids: that is the order in frames.
+Status SceneCompiler::compile_particle_bodies() {
+  const bool any = std::any_of(m_shot.bodies.begin(), m_shot.bodies.end(),
+                               [&](const shots::Body& body) { return m_shot.is_particles(body); });
+  if (!any)
+    return {};
+  mpm::MpmPlan& mpm = m_plan.sim.mpm;
+  const Result<mpm::MpmSettings> settings = compile_mpm_settings(m_shot);
+  if (!settings)
+    return settings.error();
+  mpm.settings = *settings;
+  mpm.gravity = *m_shot.shot.gravity;
+  for (const shots::Body& body : m_shot.bodies) {
+    if (!m_shot.is_particles(body))
+      continue;
+    Result<CompiledParticles> compiled = compile_particles(m_shot, body, mpm.settings);
+    if (!compiled)
+      return compiled.error();
+    if (compiled->source) {
+      compiled->source->body = static_cast<int>(mpm.bodies.size());
+      mpm.sources.push_back(*compiled->source);
+    }
+    m_plan.bodies.push_back(std::move(compiled->report));
+    m_plan.body_looks.push_back(body.look ? **body.look : std::string());
+    m_plan.assets.insert(m_plan.assets.end(), compiled->assets.begin(), compiled->assets.end());
+    m_plan.warnings.insert(m_plan.warnings.end(), compiled->warnings.begin(), compiled->warnings.end());
+    mpm.bodies.push_back(std::move(compiled->body));
+  }
+  for (std::string& warning : overlapping_bodies(m_shot, mpm))
+    m_plan.warnings.push_back(std::move(warning));
+  return {};
+}
+
 Status SceneCompiler::compile_fixed() {
   for (const shots::Fixed& fixed : m_shot.fixed) {
+    if (m_shot.is_particles(*m_shot.find_body(*fixed.body))) {
+      Result<mpm::HeldSpace> held = compile_held_space(fixed);
+      if (!held)
+        return held.error();
+      m_plan.sim.mpm.held.push_back(std::move(*held));
+      continue;
+    }
     fem::FixedNodes nodes;
     nodes.name = *fixed.name;
-    nodes.body = static_cast<int>(body_index(*fixed.body));
+    nodes.body = static_cast<int>(m_plan.sim.body_index(*fixed.body));
     nodes.hold_positions = *fixed.hold_positions;
     nodes.hold_microrotations = *fixed.hold_microrotations;
     if (fixed.until)
@@ -127,14 +236,86 @@ Status SceneCompiler::compile_colliders() {
     if (plane != nullptr && !collider.motion.moves())
       m_plan.sim.fem.planes.push_back({collider.name, collider.motion.pose(0.0).apply(plane->point),
                                        collider.motion.pose(0.0).rotation * plane->normal, collider.friction});
+    else if (plane == nullptr)
+      m_plan.sim.fem.obstacles.push_back(collider);
     else if (!m_plan.sim.fem.bodies.empty())
-      return at_source(asked.source, make_error(ErrorCode::unavailable,
-                                                "solids only know planes that stand still; this build has no contact "
-                                                "with other colliders"));
+      return at_source(asked.source,
+                       make_error(ErrorCode::unavailable,
+                                  "solids only know planes that stand still; take a box collider that moves"));
     m_plan.assets.insert(m_plan.assets.end(), compiled->assets.begin(), compiled->assets.end());
+    if (!m_plan.sim.mpm.bodies.empty())
+      m_plan.sim.mpm.colliders.push_back(compiled->collider);
     m_plan.sim.colliders.push_back(std::move(compiled->collider));
   }
   return {};
+}
+
+/// Where the vertices or particles of a body are at the start.
+scene::RestPoints SceneCompiler::measured_points(std::size_t body) const {
+  const std::size_t solids = m_plan.sim.fem.bodies.size();
+  if (body < solids)
+    return scene::rest_points(*m_plan.sim.fem.bodies[body].mesh);
+  scene::RestPoints points;
+  points.positions = *m_plan.sim.mpm.bodies[body - solids].positions;
+  return points;
+}
+
+Status SceneCompiler::describe_measured_body(const shots::Measure& measure, MeasurePlan& compiled) const {
+  const std::size_t solids = m_plan.sim.fem.bodies.size();
+  const bool particles = compiled.body >= solids;
+  const MeasuredOn on = measured_on(*measure.kind);
+  if (on != MeasuredOn::both && (on == MeasuredOn::particles) != particles)
+    return at_source(measure.source,
+                     make_error(ErrorCode::bad_input, "this kind is measured on {} only, and body {} is made of {}",
+                                particles ? "solids" : "particles", *measure.body, particles ? "particles" : "tets"));
+  if (particles) {
+    const mpm::MpmBody& body = m_plan.sim.mpm.bodies[compiled.body - solids];
+    compiled.density = body.material.density;
+    compiled.cell = m_plan.sim.mpm.settings.cell;
+    compiled.particle_mass = body.material.density * body.particle_volume;
+    compiled.start_low = body.positions->colwise().minCoeff();
+    compiled.start_high = body.positions->colwise().maxCoeff();
+    // Half a spacing beyond the outermost particles is where the matter ends.
+    const double half = 0.5 * std::cbrt(body.particle_volume);
+    compiled.start_low.array() -= half;
+    compiled.start_high.array() += half;
+  } else {
+    compiled.density = m_plan.sim.fem.bodies[compiled.body].material.density;
+  }
+  compiled.up = m_plan.sim.up;
+  return {};
+}
+
+Status SceneCompiler::compile_drives() {
+  fem::FemPlan& plan = m_plan.sim.fem;
+  for (const shots::Drive& drive : m_shot.drives) {
+    const std::size_t body = m_plan.sim.body_index(*drive.body);
+    Result<fem::DrivenNodes> compiled =
+        compile_drive(drive, static_cast<int>(body), *plan.bodies[body].mesh, m_plan.sim.colliders);
+    if (!compiled)
+      return compiled.error();
+    plan.driven.push_back(std::move(*compiled));
+  }
+  for (const shots::Load& load : m_shot.loads) {
+    const std::size_t body = m_plan.sim.body_index(*load.body);
+    Result<fem::FemLoad> compiled = compile_load(load, static_cast<int>(body), *plan.bodies[body].mesh);
+    if (!compiled)
+      return compiled.error();
+    plan.loads.push_back(std::move(*compiled));
+  }
+  return {};
+}
+
+/// What frames must hold so that a measure can be taken.
+void need_channels(const MeasurePlan& measure, fem::FemOutputs& outputs) {
+  using Kind = shots::MeasureKind;
+  outputs.reactions =
+      outputs.reactions || measure.kind == Kind::reaction_force || measure.kind == Kind::reaction_torque;
+  outputs.curvature_energy = outputs.curvature_energy || measure.kind == Kind::curvature_energy;
+  outputs.point_rotations =
+      outputs.point_rotations || measure.kind == Kind::curvature_error ||
+      (measure.kind == Kind::rotation_distance && measure.at == shots::MeasureAt::points) ||
+      (measure.kind == Kind::rotation_interpolation_error && measure.rule == shots::PointRotations::velocity);
 }
 
 Status SceneCompiler::compile_measures() {
@@ -142,11 +323,19 @@ Status SceneCompiler::compile_measures() {
     MeasurePlan compiled;
     compiled.name = *measure.name;
     compiled.kind = *measure.kind;
-    compiled.body = body_index(*measure.body);
-    compiled.density = m_plan.sim.fem.bodies[compiled.body].material.density;
+    compiled.body = m_plan.sim.body_index(*measure.body);
     compiled.direction = measure.axis ? axis_vector(**measure.axis) : m_plan.sim.up;
-    if (measure.where) {
-      const scene::RestPoints points = scene::rest_points(*m_plan.sim.fem.bodies[compiled.body].mesh);
+    if (measure.about)
+      compiled.about = **measure.about;
+    compiled.at = *measure.at;
+    compiled.rule = *measure.rule;
+    need_channels(compiled, m_plan.sim.fem.outputs);
+    if (Status status = describe_measured_body(measure, compiled); !status)
+      return status;
+    if (measure.where && *measure.kind == shots::MeasureKind::fraction_outside) {
+      compiled.region = compile_region(*measure.where);
+    } else if (measure.where) {
+      const scene::RestPoints points = measured_points(compiled.body);
       Result<std::vector<std::int32_t>> picked =
           scene::select_points(compile_region(*measure.where), points, m_threads);
       if (!picked)
@@ -165,6 +354,9 @@ std::string SceneCompiler::simulation_key() const {
     if (key.effect == shots::Effect::simulation)
       inputs += key.key + "=" + key.value + "\n";
   }
+  const fem::FemOutputs& outputs = m_plan.sim.fem.outputs;
+  inputs +=
+      fmt::format("frames hold {:d}{:d}{:d}\n", outputs.reactions, outputs.point_rotations, outputs.curvature_energy);
   for (const Asset& asset : m_plan.assets)
     inputs += asset.sha256 + "\n";
   return sha256_of_bytes(inputs);

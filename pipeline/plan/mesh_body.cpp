@@ -13,6 +13,8 @@
 #include "sim/geometry/isosurface_stuffing.h"
 #include "sim/geometry/mesh_checks.h"
 #include "sim/geometry/msh_import.h"
+#include "sim/geometry/remesh.h"
+#include "sim/geometry/sheet_triangles.h"
 #include "sim/geometry/shell_extrusion.h"
 #include "sim/geometry/structured_tets.h"
 #include "sim/geometry/tet_quality.h"
@@ -53,6 +55,8 @@ public:
       , m_up(up) {}
 
   Result<MeshedBody> mesh();
+  Result<MeshedBody> mesh_plate();
+  Result<PlacedSurface> surface(double edge);
 
 private:
   Result<Source> source() const;
@@ -60,6 +64,7 @@ private:
   Result<geometry::TetMesh> fill(Source& source);
   Result<geometry::TetMesh> fill_block(const Source& source);
   Result<geometry::TetMesh> fill_surface(Source& source);
+  Result<geometry::SurfaceMesh> plate_surface(Source& source) const;
   MeshedBody finish(geometry::TetMesh mesh, Source source) const;
   Error located(const shots::Source& where, Error error) const { return at_source(where, std::move(error)); }
 
@@ -260,7 +265,123 @@ Result<MeshedBody> BodyMesher::mesh() {
   return finish(std::move(*filled), std::move(*made));
 }
 
+Result<geometry::SheetTriangles> sheet_of(const shots::Body& body, const shots::SheetShape& shape, double scale) {
+  const double width = *shape.width * scale, depth = *shape.depth * scale;
+  std::array<int, 2> cells = {1, 1};
+  if (body.cells) {
+    cells = {static_cast<int>((**body.cells)[0]), static_cast<int>((**body.cells)[2])};
+  } else {
+    const double edge = target_edge(body);
+    cells = {static_cast<int>(std::ceil(width / edge - 1e-9)), static_cast<int>(std::ceil(depth / edge - 1e-9))};
+  }
+  return geometry::make_sheet_triangles(width, depth, cells[0], cells[1],
+                                        *body.split == shots::CellSplit::kuhn ? geometry::SheetSplit::parallel
+                                                                              : geometry::SheetSplit::alternating);
+}
+
+/// The surface of a plate that is no sheet: divided anew where it is closed, as it is where it is open.
+Result<geometry::SurfaceMesh> BodyMesher::plate_surface(Source& source) const {
+  if (source.block) {
+    Result<geometry::SurfaceMesh> surface = geometry::make_block_surface(*source.block, target_edge(m_body));
+    return surface;
+  }
+  const geometry::MeshReport report = geometry::inspect_mesh(*source.surface);
+  const std::string name = "body " + *m_body.name;
+  if (Status status = geometry::check_valid(*source.surface, report, name); !status)
+    return status.error();
+  if (Status status = geometry::check_manifold(*source.surface, report, name); !status)
+    return status.error();
+  const bool imported = std::holds_alternative<shots::MeshShape>(m_body.shape);
+  if (imported && geometry::check_closed(report, name) && m_body.resolution)
+    return geometry::remesh(*source.surface, target_edge(m_body));
+  if (imported)
+    source.notes.push_back("an open surface: its triangles are the plate's elements, resolution is not used");
+  return std::move(*source.surface);
+}
+
+Result<MeshedBody> BodyMesher::mesh_plate() {
+  Result<Source> made = source();
+  if (!made)
+    return made.error();
+  Points* points = made->surface ? &made->surface->vertices : nullptr;
+  const Vec3 extent = points != nullptr ? extent_of(*points) : made->block->size;
+  const Result<scene::Similarity> placed = scene::placement_similarity(compile_placement(m_body, m_up), extent);
+  if (!placed)
+    return located(m_body.source, placed.error());
+  geometry::TetMesh mesh;
+  Triangles triangles;
+  MeshedBody meshed;
+  const scene::Similarity moved{1.0, placed->rotation, placed->translation};
+  if (const auto* sheet = std::get_if<shots::SheetShape>(&m_body.shape)) {
+    Result<geometry::SheetTriangles> flat = sheet_of(m_body, *sheet, placed->scale);
+    if (!flat)
+      return located(m_body.source, flat.error());
+    mesh = std::move(flat->mesh);
+    triangles = std::move(flat->triangles);
+    meshed.sheet_thickness = *sheet->thickness * placed->scale;
+    scene::apply(moved, mesh.vertices);
+  } else {
+    if (points != nullptr)
+      scene::apply(*placed, *points);
+    else
+      made->block->size *= placed->scale;
+    Result<geometry::SurfaceMesh> surface = plate_surface(*made);
+    if (!surface)
+      return located(m_body.source, surface.error());
+    mesh.vertices = std::move(surface->vertices);
+    mesh.attributes = std::move(surface->attributes);
+    triangles = std::move(surface->triangles);
+    if (points == nullptr)
+      scene::apply(moved, mesh.vertices);
+  }
+  BodyReport& report = meshed.report;
+  report.name = *m_body.name;
+  report.source = made->description + ", as a plate";
+  report.size = extent_of(mesh.vertices);
+  report.nodes = static_cast<std::size_t>(mesh.vertices.rows());
+  report.surface_triangles = static_cast<std::size_t>(triangles.rows());
+  report.notes = std::move(made->notes);
+  meshed.assets = std::move(made->assets);
+  meshed.triangles = std::move(triangles);
+  meshed.mesh = std::make_shared<const geometry::TetMesh>(std::move(mesh));
+  return meshed;
+}
+
+Result<PlacedSurface> BodyMesher::surface(double edge) {
+  Result<Source> made = std::holds_alternative<shots::MeshShape>(m_body.shape)
+                            ? source()
+                            : std::visit(ShapeSource{2.0 * edge}, m_body.shape);
+  if (!made)
+    return located(m_body.source, made.error());
+  if (made->tets)
+    return located(m_body.source, make_error(ErrorCode::bad_input, "particles fill a closed surface, not a tet mesh; "
+                                                                   "give an obj, ply, stl, gltf, ..."));
+  if (made->block) {
+    Result<geometry::SurfaceMesh> surface = geometry::make_block_surface(*made->block, edge);
+    if (!surface)
+      return located(m_body.source, surface.error());
+    made->surface = std::move(*surface);
+  }
+  const Vec3 extent = extent_of(made->surface->vertices);
+  const Result<scene::Similarity> placed = scene::placement_similarity(compile_placement(m_body, m_up), extent);
+  if (!placed)
+    return located(m_body.source, placed.error());
+  scene::apply(*placed, made->surface->vertices);
+  const geometry::MeshReport report = geometry::inspect_mesh(*made->surface);
+  const std::string name = "body " + *m_body.name;
+  for (const Status& status :
+       {geometry::check_valid(*made->surface, report, name), geometry::check_closed(report, name)}) {
+    if (!status)
+      return located(m_body.source, status.error());
+  }
+  return PlacedSurface{std::move(*made->surface), made->description, std::move(made->assets), std::move(made->notes)};
+}
+
 } // namespace
+
+Result<PlacedSurface> body_surface(const shots::Body& body, shots::Axis up, double edge) {
+  return BodyMesher(body, up).surface(edge);
+}
 
 scene::Placement compile_placement(const shots::Placed& placed, shots::Axis up) {
   scene::Placement placement;
@@ -274,8 +395,9 @@ scene::Placement compile_placement(const shots::Placed& placed, shots::Axis up) 
   return placement;
 }
 
-Result<MeshedBody> mesh_body(const shots::Body& body, shots::Axis up) {
-  return BodyMesher(body, up).mesh();
+Result<MeshedBody> mesh_body(const shots::Body& body, shots::Axis up, Filling filling) {
+  BodyMesher mesher(body, up);
+  return filling == Filling::nothing ? mesher.mesh_plate() : mesher.mesh();
 }
 
 } // namespace wry::pipeline

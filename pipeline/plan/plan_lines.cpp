@@ -1,10 +1,12 @@
 #include "pipeline/plan/plan_lines.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
 #include "sim/fem/fem_simulation.h"
+#include "sim/mpm/mpm_simulation.h"
 
 namespace wry::pipeline {
 
@@ -30,6 +32,18 @@ const char* model_name(fem::ElasticModel model) {
   return "?";
 }
 
+const char* integrator_name(fem::Integrator integrator) {
+  switch (integrator) {
+  case fem::Integrator::backward_euler:
+    return "backward Euler";
+  case fem::Integrator::bdf2:
+    return "BDF2";
+  case fem::Integrator::sdirk2:
+    return "SDIRK2, two solves per step";
+  }
+  return "?";
+}
+
 bool any_body(const ScenePlan& plan, bool (*holds)(const fem::FemMaterial&)) {
   return std::any_of(plan.sim.fem.bodies.begin(), plan.sim.fem.bodies.end(),
                      [&](const fem::FemBody& body) { return holds(body.material); });
@@ -43,27 +57,75 @@ constexpr double NEWTON_PER_STEP = 4.0;
 // Element data, two matrices and the vectors, per tet.
 constexpr std::uint64_t CLASSIC_BYTES_PER_TET = 1200;
 constexpr std::uint64_t MICROPOLAR_BYTES_PER_TET = 4500;
+// A step of one particle on one core with AVX2, and what sorting and the grid take of memory besides its channels.
+constexpr double MPM_SECONDS_PER_PARTICLE_STEP = 1.5e-7;
+constexpr std::uint64_t MPM_BYTES_PER_PARTICLE_BESIDES = 250;
 
-} // namespace
-
-std::string describe_material(const fem::FemMaterial& material) {
-  std::string text = fmt::format("{} ({}), E {:.4g} Pa, nu {:.4g}, density {:.4g} kg/m^3", model_name(material.model),
-                                 material.name, material.youngs_modulus, material.poisson_ratio, material.density);
-  if (!fem::is_micropolar(material.model))
-    return text;
-  text += fmt::format(", mu_c/mu {:.4g}", material.couple_modulus_ratio);
-  if (material.curvature == fem::CurvatureModel::isotropic)
-    text += fmt::format(", L_c {:.4g} m, isotropic curvature alpha {:.4g} beta {:.4g} gamma {:.4g}",
-                        material.length_scale, material.alpha, material.beta, material.gamma);
-  if (material.curvature == fem::CurvatureModel::orthotropic)
-    text += fmt::format(", L_c {:.4g} m, orthotropic curvature", material.length_scale);
-  return text;
+/// Which methods run, and that nothing couples them.
+void describe_methods(ScenePlan& plan) {
+  const mpm::MpmPlan& mpm = plan.sim.mpm;
+  if (mpm.bodies.empty()) {
+    plan.left_out.push_back({"mpm", "no body of particles: no grid"});
+    return;
+  }
+  const std::string step = mpm.settings.time_step
+                               ? fmt::format("steps of {:.4g} s, cut where unstable", *mpm.settings.time_step)
+                               : std::string("the longest stable step");
+  plan.runs.push_back(
+      {"mpm", fmt::format("{} bodies, cells of {:.4g} m, {}, {}, {}", mpm.bodies.size(), mpm.settings.cell,
+                          mpm.settings.precision == mpm::Precision::f32 ? "single precision" : "double precision",
+                          mpm.settings.transfer == mpm::Transfer::mls ? "moving least squares" : "gradient of weights",
+                          step)});
+  const auto decide = [&](bool runs, const char* what, const char* why_runs, const char* why_not) {
+    (runs ? plan.runs : plan.left_out).push_back({what, runs ? why_runs : why_not});
+  };
+  decide(!mpm.colliders.empty(), "colliders on the grid", "[[collider]]: nodes of blocks that are near one",
+         "no [[collider]]: no node is looked at");
+  decide(!mpm.held.empty(), "held space", "[[fixed]] on a body of particles", "no [[fixed]] on a body of particles");
+  decide(!mpm.sources.empty(), "sources", "a body with source", "no body with source: no particle is added");
+  if (plan.sim.fem.bodies.empty())
+    plan.left_out.push_back({"fem", "no solid: no elements, no linear solver"});
+  else
+    plan.left_out.push_back(
+        {"coupling", "solids and particles do not feel each other; they share colliders and frames"});
 }
 
-void describe_plan(const shots::Shot& shot, ScenePlan& plan) {
+/// Steps as long as the stiffest material allows at rest.
+void add_cost_of_particles(const ScenePlan& plan, CostEstimate& cost) {
+  const mpm::MpmPlan& mpm = plan.sim.mpm;
+  if (mpm.bodies.empty())
+    return;
+  mpm::StepFacts facts;
+  facts.cell = mpm.settings.cell;
+  facts.courant = mpm.settings.courant;
+  facts.max_deformation = mpm.settings.max_deformation;
+  facts.gravity = mpm.gravity.norm();
+  double particles = 0.0;
+  for (std::size_t i = 0; i < mpm.bodies.size(); ++i) {
+    const mpm::MpmBody& body = mpm.bodies[i];
+    const BodyReport& report = plan.bodies[plan.sim.fem.bodies.size() + i];
+    const Result<mpm::CompiledMaterial> material = mpm::compile_material(body.material);
+    facts.sound_speed = std::max(facts.sound_speed, material ? material->sound_speed : 0.0);
+    facts.speed = std::max(facts.speed, body.initial_velocity.norm());
+    particles += static_cast<double>(report.particles);
+    cost.memory_bytes += report.particles * (2 * report.bytes_per_particle + MPM_BYTES_PER_PARTICLE_BESIDES);
+    cost.bytes_per_frame += report.particles * (24 + 12 + 4);
+    const std::uint64_t scalar = mpm.settings.precision == mpm::Precision::f32 ? 4 : 8;
+    cost.bytes_per_checkpoint += report.particles * report.bytes_per_particle * (8 / scalar);
+  }
+  const mpm::StepBound bound = mpm::stable_step(facts);
+  const double dt = mpm.settings.time_step ? std::min(*mpm.settings.time_step, bound.dt) : bound.dt;
+  const double steps = std::ceil(plan.sim.time_of(plan.sim.last_frame) / dt);
+  const double seconds = cost.steps * cost.seconds_per_step + steps * particles * MPM_SECONDS_PER_PARTICLE_STEP;
+  cost.steps = std::max(cost.steps, steps);
+  cost.time_step = cost.time_step > 0.0 ? std::min(cost.time_step, dt) : dt;
+  cost.seconds_per_step = cost.steps > 0.0 ? seconds / cost.steps : 0.0;
+}
+
+void describe_solids(ScenePlan& plan) {
   const fem::FemPlan& fem = plan.sim.fem;
-  plan.runs.push_back({"fem", fmt::format("{} bodies, backward Euler, steps of {:.4g} s or less", fem.bodies.size(),
-                                          fem.settings.max_time_step)});
+  plan.runs.push_back({"fem", fmt::format("{} bodies, {}, steps of {:.4g} s or less", fem.bodies.size(),
+                                          integrator_name(fem.settings.integrator), fem.settings.max_time_step)});
   const bool microrotations = any_body(plan, [](const fem::FemMaterial& m) { return fem::is_micropolar(m.model); });
   const bool curvature =
       any_body(plan, [](const fem::FemMaterial& m) { return m.curvature != fem::CurvatureModel::none; });
@@ -82,7 +144,75 @@ void describe_plan(const shots::Shot& shot, ScenePlan& plan) {
   decide(std::any_of(fem.planes.begin(), fem.planes.end(), [](const auto& plane) { return plane.friction > 0.0; }),
          "friction", "a collider with friction > 0", "no collider has friction");
   decide(!fem.fixed.empty(), "held nodes", "[[fixed]]: their dofs are taken out of the system", "no [[fixed]]");
-  plan.left_out.push_back({"contact of bodies", "no [contact]: no broad phase; bodies do not feel each other"});
+  decide(!fem.obstacles.empty(), "collider contact",
+         "colliders other than planes: barrier between surfaces, steps limited by continuous collision detection",
+         "no collider but planes: no broad phase for colliders");
+  decide(fem.contact && fem.contact->between_bodies, "contact of bodies",
+         "[contact]: barrier between surfaces, steps limited by continuous collision detection",
+         "no [contact]: no broad phase; bodies do not feel each other");
+  decide(fem.contact && fem.contact->within_bodies, "contact within bodies",
+         "[contact]: the same within each body; pairs that are near at rest feel each other below half of that",
+         "no [contact] or within = false: a body that folds passes through itself");
+  decide(!fem.driven.empty(), "drives", "[[drive]]: dofs are given by their motion, or pulled by springs",
+         "no [[drive]]");
+  decide(!fem.loads.empty(), "loads", "[[load]]: forces and torques on nodes", "no [[load]]");
+  const bool damped = any_body(plan, [](const fem::FemMaterial& m) { return m.mass_damping > 0.0; });
+  decide(damped, "mass damping", "a material with mass_damping > 0", "mass_damping is 0 everywhere");
+  const bool stiff_damped = any_body(plan, [](const fem::FemMaterial& m) { return m.stiffness_damping > 0.0; });
+  decide(stiff_damped, "stiffness damping",
+         "a material with stiffness_damping > 0: a second matrix, assembled once per step",
+         "stiffness_damping is 0 everywhere: no second matrix");
+  const bool resets = fem.settings.point_rotations != fem::PointRotations::interpolated_velocity;
+  if (microrotations)
+    decide(resets, "resets of quadrature rotations", "fem.point_rotations: made from the nodes every reset_every steps",
+           "fem.point_rotations = \"velocity\": they follow their own history");
+  decide(fem.outputs.reactions, "reactions", "a measure of reactions: one more gradient per step",
+         "no measure of reactions");
+  decide(fem.outputs.point_rotations, "rotations of quadrature points in frames",
+         "a measure reads them: 128 bytes per tet and frame", "no measure reads them");
+}
+
+} // namespace
+
+std::string describe_material(const fem::FemMaterial& material) {
+  std::string text = fmt::format("{} ({}), E {:.4g} Pa, nu {:.4g}, density {:.4g} kg/m^3", model_name(material.model),
+                                 material.name, material.youngs_modulus, material.poisson_ratio, material.density);
+  if (!fem::is_micropolar(material.model))
+    return text;
+  text += fmt::format(", mu_c/mu {:.4g}", material.couple_modulus_ratio);
+  if (material.curvature == fem::CurvatureModel::isotropic)
+    text += fmt::format(", L_c {:.4g} m, isotropic curvature alpha {:.4g} beta {:.4g} gamma {:.4g}",
+                        material.length_scale, material.alpha, material.beta, material.gamma);
+  if (material.curvature == fem::CurvatureModel::orthotropic)
+    text += fmt::format(", L_c {:.4g} m, orthotropic curvature", material.length_scale);
+  return text;
+}
+
+std::string describe_elements(const fem::FemBody& body) {
+  switch (body.element) {
+  case fem::ElementKind::tet4:
+    return "";
+  case fem::ElementKind::tet4_one_point:
+    return ", one quadrature point per tet";
+  case fem::ElementKind::tet10:
+    return ", tet10: quadratic positions";
+  case fem::ElementKind::plate3:
+  case fem::ElementKind::plate6:
+    return fmt::format(", plate {:.4g} m thick, {} triangles {}, bending {}", body.thickness, body.triangles.rows(),
+                       body.element == fem::ElementKind::plate3 ? "tri3" : "tri6",
+                       body.material.plate_bending == fem::PlateBending::h3 ? "h3" : "curv");
+  }
+  return "";
+}
+
+void describe_plan(const shots::Shot& shot, ScenePlan& plan) {
+  const fem::FemPlan& fem = plan.sim.fem;
+  describe_methods(plan);
+  const auto decide = [&](bool runs, const char* what, const char* why_runs, const char* why_not) {
+    (runs ? plan.runs : plan.left_out).push_back({what, runs ? why_runs : why_not});
+  };
+  if (!fem.bodies.empty())
+    describe_solids(plan);
   decide(!plan.measures.empty(), "measures", "[[measure]]: once per frame, from the cache", "no [[measure]]");
   std::string views;
   for (const shots::Located<shots::View>& view : shot.render.views)
@@ -94,7 +224,7 @@ void describe_plan(const shots::Shot& shot, ScenePlan& plan) {
 CostEstimate estimate_cost(const ScenePlan& plan) {
   CostEstimate cost;
   double seconds_per_iteration = 0.0;
-  for (std::size_t i = 0; i < plan.bodies.size(); ++i) {
+  for (std::size_t i = 0; i < plan.sim.fem.bodies.size(); ++i) {
     const BodyReport& body = plan.bodies[i];
     const bool micropolar = fem::is_micropolar(plan.sim.fem.bodies[i].material.model);
     cost.memory_bytes += body.tets * (micropolar ? MICROPOLAR_BYTES_PER_TET : CLASSIC_BYTES_PER_TET);
@@ -104,11 +234,17 @@ CostEstimate estimate_cost(const ScenePlan& plan) {
         static_cast<double>(body.tets) * (micropolar ? MICROPOLAR_SECONDS_PER_TET : CLASSIC_SECONDS_PER_TET);
   }
   cost.seconds_per_step = NEWTON_PER_STEP * seconds_per_iteration;
-  cost.steps = plan.sim.time_of(plan.sim.last_frame) / plan.sim.fem.settings.max_time_step;
+  if (!plan.sim.fem.bodies.empty()) {
+    cost.time_step = plan.sim.fem.settings.max_time_step;
+    cost.steps = plan.sim.time_of(plan.sim.last_frame) / cost.time_step;
+  }
+  add_cost_of_particles(plan, cost);
   return cost;
 }
 
 Status describe_solver(ScenePlan& plan, Isa isa, int threads) {
+  if (plan.sim.fem.bodies.empty())
+    return {};
   const Result<std::unique_ptr<fem::FemSimulation>> simulation = fem::FemSimulation::create(plan.sim.fem, threads, isa);
   if (!simulation)
     return simulation.error();

@@ -17,6 +17,14 @@ std::string size_text(const Vec3& size) {
 
 void append_body(std::string& text, const BodyReport& body) {
   text += fmt::format("\nbody {}: {}, {}\n", body.name, body.source, size_text(body.size));
+  if (body.particles > 0) {
+    text += fmt::format("  {} particles of {} bytes; {:.4g} m^3, {:.4g} kg\n", body.particles, body.bytes_per_particle,
+                        body.volume, body.mass);
+    text += fmt::format("  model: {}\n", body.model);
+    for (const std::string& note : body.notes)
+      text += "  note: " + note + "\n";
+    return;
+  }
   text += fmt::format("  {} tets, {} nodes, {} dofs, {} surface triangles; {:.4g} m^3, {:.4g} kg\n", body.tets,
                       body.nodes, body.dofs, body.surface_triangles, body.volume, body.mass);
   text += fmt::format("  quality: dihedral angles {:.1f} to {:.1f} degrees, edges {:.3g} m least, {:.3g} m mean\n",
@@ -42,6 +50,8 @@ nlohmann::json json_of(const BodyReport& body) {
           {"source", body.source},
           {"model", body.model},
           {"size_m", {body.size[0], body.size[1], body.size[2]}},
+          {"particles", body.particles},
+          {"bytes_per_particle", body.bytes_per_particle},
           {"tets", body.tets},
           {"nodes", body.nodes},
           {"dofs", body.dofs},
@@ -73,12 +83,11 @@ std::string plan_text(const ScenePlan& plan) {
   append_lines(text, "left out", plan.left_out);
   const CostEstimate& cost = plan.cost;
   const double frame_count = plan.sim.last_frame - plan.sim.first_frame + 1;
-  text +=
-      fmt::format("\ncost (predicted)\n  memory  {}\n  disk    {} ({} per frame, {} per checkpoint)\n  time    {} "
-                  "({:.0f} steps of {:.3g} s)\n",
-                  human_bytes(double(cost.memory_bytes)), human_bytes(double(cost.disk_bytes(frame_count))),
-                  human_bytes(double(cost.bytes_per_frame)), human_bytes(double(cost.bytes_per_checkpoint)),
-                  human_duration(cost.steps * cost.seconds_per_step), cost.steps, plan.sim.fem.settings.max_time_step);
+  text += fmt::format("\ncost (predicted)\n  memory  {}\n  disk    {} ({} per frame, {} per checkpoint)\n  time    {} "
+                      "({:.0f} steps of {:.3g} s)\n",
+                      human_bytes(double(cost.memory_bytes)), human_bytes(double(cost.disk_bytes(frame_count))),
+                      human_bytes(double(cost.bytes_per_frame)), human_bytes(double(cost.bytes_per_checkpoint)),
+                      human_duration(cost.steps * cost.seconds_per_step), cost.steps, cost.time_step);
   for (const std::string& warning : plan.warnings)
     text += "warning: " + warning + "\n";
   return text;
@@ -107,7 +116,7 @@ std::string plan_json(const ScenePlan& plan) {
                                    {"disk_bytes", plan.cost.disk_bytes(frame_count)},
                                    {"seconds", plan.cost.steps * plan.cost.seconds_per_step},
                                    {"steps", plan.cost.steps},
-                                   {"time_step_s", plan.sim.fem.settings.max_time_step}}}};
+                                   {"time_step_s", plan.cost.time_step}}}};
   return report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

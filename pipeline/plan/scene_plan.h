@@ -21,7 +21,8 @@ struct BodyReport {
   std::string name;
   std::string source; ///< "mesh meshes/bunny.obj", "box", ...
   std::string model;
-  Vec3 size = Vec3::Zero(); ///< extents of its rest shape [m]
+  Vec3 size = Vec3::Zero();                          ///< extents of its rest shape [m]
+  std::size_t particles = 0, bytes_per_particle = 0; ///< of the material point method
   std::size_t tets = 0, nodes = 0, dofs = 0, surface_triangles = 0;
   double volume = 0.0; ///< [m^3]
   double mass = 0.0;   ///< [kg]
@@ -42,7 +43,8 @@ struct CostEstimate {
   std::uint64_t bytes_per_frame = 0; ///< of the frame cache
   std::uint64_t bytes_per_checkpoint = 0;
   double seconds_per_step = 0.0;
-  double steps = 0.0; ///< of the whole shot
+  double steps = 0.0;     ///< of the whole shot
+  double time_step = 0.0; ///< the shorter of both methods' [s]
 
   /// Frames, and the checkpoints that are there at a time.
   std::uint64_t disk_bytes(double frame_count) const {
@@ -71,6 +73,7 @@ struct ScenePlan {
 struct PlanOptions {
   std::vector<int> frames; ///< that are asked for, ascending
   Isa isa = Isa::sse4;
+  std::string shared; ///< folder of meshes that processes share; empty: none
 };
 
 /// Imports and meshes every asset and compiles the shot. Errors: whatever an asset or a value can be wrong about, with

@@ -1,7 +1,9 @@
 #include "pipeline/report/readable.h"
 
 #include <cmath>
+#include <fstream>
 #include <iterator>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -24,6 +26,18 @@ std::string human_bytes(double bytes) {
     ++unit;
   }
   return fmt::format("{:.{}f} {}", bytes, bytes >= 100.0 || unit == 0 ? 0 : 1, UNITS[unit]);
+}
+
+std::string machine_name() {
+  std::ifstream info("/proc/cpuinfo");
+  std::string line, model = "unknown processor";
+  while (std::getline(info, line)) {
+    if (line.starts_with("model name") && line.find(": ") != std::string::npos) {
+      model = line.substr(line.find(": ") + 2);
+      break;
+    }
+  }
+  return fmt::format("{}, {} cores", model, std::thread::hardware_concurrency());
 }
 
 } // namespace wry::pipeline

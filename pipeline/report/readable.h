@@ -10,4 +10,7 @@ std::string human_duration(double seconds);
 /// "1.2 GiB", "340 MiB", "12 KiB".
 std::string human_bytes(double bytes);
 
+/// The host, its processor and how many cores it has: whatever a time depends on.
+std::string machine_name();
+
 } // namespace wry::pipeline

@@ -1,16 +1,28 @@
 #include "pipeline/run/render_frames.h"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
+#include <thread>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include "pipeline/cache/atomic_file.h"
 #include "pipeline/cache/sha256.h"
 #include "pipeline/plan/build_id.h"
+#include "pipeline/plan/compile_appearance.h"
+#include "pipeline/plan/compile_camera.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/signals.h"
 #include "pipeline/run/video.h"
+#include "render/contact_sheet.h"
+#include "render/exr.h"
 #include "render/png.h"
 #include "render/renderer.h"
 #include "shots/resolved.h"
@@ -22,16 +34,31 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* INPUTS = "wry:inputs";
+constexpr const char* EXR_INPUTS = "wryInputs";
 
 /// A picture that is wanted: where it goes, what it is made from.
 struct PictureJob {
   fs::path path;
-  std::string inputs; ///< SHA-256 of everything that it depends on
+  std::vector<std::string> layers; ///< of an OpenEXR file beside it; empty: none
+  std::string inputs;              ///< SHA-256 of everything that it depends on
   render::Picture picture;
   std::vector<render::PngText> texts;
 };
 
+fs::path exr_path(const PictureJob& job) {
+  return fs::path(job.path).replace_extension(".exr");
+}
+
+/// Whether the OpenEXR file decodes and is of these inputs.
+bool has_layers(const PictureJob& job) {
+  const Result<render::ExrImage> there = render::read_exr(exr_path(job));
+  return there && std::find(there->texts.begin(), there->texts.end(),
+                            std::pair<std::string, std::string>(EXR_INPUTS, job.inputs)) != there->texts.end();
+}
+
 bool is_up_to_date(const PictureJob& job) {
+  if (!job.layers.empty() && !has_layers(job))
+    return false;
   const Result<render::PngContents> there = render::read_png(job.path);
   if (!there)
     return false;
@@ -48,6 +75,10 @@ std::string fingerprint(const render::RenderPlan& plan, const shots::Shot* shot)
   for (const render::View& view : plan.views) {
     if (view.heat)
       text += fmt::format(" {} {} {}", view.name, view.heat->low, view.heat->high);
+  }
+  if (shot != nullptr && shot->render.lights.image) {
+    const Result<std::string> hash = sha256_of_file(**shot->render.lights.image);
+    text += " " + (hash ? *hash : hash.error().message);
   }
   if (shot != nullptr) {
     for (const shots::FlatKey& key : shots::flatten(*shot)) {
@@ -94,6 +125,35 @@ std::vector<std::string> slate_lines(const shots::Shot& shot, const Frame& frame
   return {line};
 }
 
+/// The layers that were asked for, named as compositing programs know them.
+render::ExrImage exr_layers(const std::vector<std::string>& wanted, const render::LinearImage& light,
+                            const render::DataLayers& data) {
+  using Type = render::ExrChannel::Type;
+  render::ExrImage image{light.width, light.height, {}, {}};
+  const auto add = [&](const std::string& name, Type type, const auto& value_at) {
+    render::ExrChannel channel{name, type, std::vector<float>(light.pixels.size() / 4)};
+    for (std::size_t i = 0; i < channel.values.size(); ++i)
+      channel.values[i] = value_at(i);
+    image.channels.push_back(std::move(channel));
+  };
+  const std::array<const char*, 4> colours = {"R", "G", "B", "A"};
+  const std::array<const char*, 3> axes = {".X", ".Y", ".Z"};
+  for (const std::string& layer : wanted) {
+    for (std::size_t c = 0; layer == "colour" && c < 4; ++c)
+      add(colours[c], Type::half_float, [&](std::size_t i) { return light.pixels[4 * i + c]; });
+    if (layer == "Z")
+      add("Z", Type::float32,
+          [&](std::size_t i) { return data.body[i] == 0 ? std::numeric_limits<float>::infinity() : data.distance[i]; });
+    for (std::size_t c = 0; layer == "N" && c < 3; ++c)
+      add(std::string("N") + axes[c], Type::half_float, [&](std::size_t i) { return data.normal[i][c]; });
+    for (std::size_t c = 0; layer == "velocity" && c < 3; ++c)
+      add(std::string("velocity") + axes[c], Type::half_float, [&](std::size_t i) { return data.velocity[i][c]; });
+    if (layer == "id")
+      add("id", Type::integer, [&](std::size_t i) { return static_cast<float>(data.body[i]); });
+  }
+  return image;
+}
+
 /// Draws pictures one after the other with one context, made when the first picture is really needed.
 class Draughtsman {
 public:
@@ -111,13 +171,33 @@ public:
     const Result<render::Image> image = m_renderer->draw(frame, job.picture);
     if (!image)
       return image.error();
+    if (!job.layers.empty()) {
+      if (Status status = write_layers(frame, job); !status)
+        return status;
+    }
     job.texts.push_back({INPUTS, job.inputs});
     job.texts.push_back({"wry:build", fmt::format("{} {}", version(), render_build())});
     job.texts.push_back({"wry:gl", m_renderer->gl_version().backend + " " + m_renderer->gl_version().version});
-    return render::write_png(job.path, *image, job.texts);
+    render::PngSettings settings;
+    if (m_plan.background == render::Background::clear)
+      settings.alpha = render::PngAlpha::straight;
+    return render::write_png(job.path, *image, job.texts, settings);
   }
 
 private:
+  /// Linear light with the data of each pixel.
+  Status write_layers(const Frame& frame, const PictureJob& job) {
+    const Result<render::LinearImage> light = m_renderer->draw_linear(frame, job.picture);
+    if (!light)
+      return light.error();
+    const Result<render::DataLayers> data = m_renderer->draw_data(frame, job.picture);
+    if (!data)
+      return data.error();
+    render::ExrImage image = exr_layers(job.layers, *light, *data);
+    image.texts = {{EXR_INPUTS, job.inputs}, {"wryBuild", fmt::format("{} {}", version(), render_build())}};
+    return render::write_exr(exr_path(job), image);
+  }
+
   const render::RenderPlan& m_plan;
   const SceneStatic& m_scene;
   std::optional<render::Renderer> m_renderer;
@@ -133,12 +213,15 @@ fs::path picture_path(const fs::path& out, const std::string& shot, const std::s
   return out / "images" / fmt::format("{}.{}.{:04}.png", shot, view, frame);
 }
 
-Result<SequenceFacts> gather_sequence(const shots::Shot& shot, const FrameCache& cache) {
-  const Result<SceneStatic> scene = cache.read_static();
+Result<SequenceFacts> gather_sequence(const shots::Shot& shot, const FrameCache& cache, const std::vector<int>& only) {
+  Result<SceneStatic> scene = cache.read_static();
   if (!scene)
     return scene.error();
+  dress_scene(shot, *scene);
   SequenceFacts facts;
   for (const CachedFrame& cached : cache.frames()) {
+    if (!only.empty() && std::find(only.begin(), only.end(), cached.number) == only.end())
+      continue;
     const Result<Frame> frame = cache.read_frame(cached.number);
     if (!frame)
       return frame.error();
@@ -171,74 +254,189 @@ Result<SequenceFacts> gather_sequence(const shots::Shot& shot, const FrameCache&
   return facts;
 }
 
+bool is_being_simulated(const fs::path& out) {
+  const int file = ::open((out / "lock").c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0)
+    return false;
+  const bool held = ::flock(file, LOCK_SH | LOCK_NB) != 0;
+  ::close(file);
+  return held;
+}
+
+namespace {
+
+const CachedFrame* find_frame(const std::vector<CachedFrame>& frames, int number) {
+  const auto found =
+      std::find_if(frames.begin(), frames.end(), [&](const CachedFrame& frame) { return frame.number == number; });
+  return found != frames.end() ? &*found : nullptr;
+}
+
+Error not_cached(int number, const fs::path& out) {
+  return make_error(ErrorCode::missing_input, "frame {} is not in the cache {}; simulate it first", number,
+                    (out / "frames").string());
+}
+
+/// Waits for a frame that is being simulated. Errors: missing_input when nobody simulates any more; stopped.
+Status wait_for_frame(FrameCache& cache, int number, const fs::path& out) {
+  constexpr int GRACE = 20; // looks, half a second apart, at a folder that nobody holds: the simulation may be about to
+                            // begin or just have ended
+  for (int idle = 0; idle < GRACE;) {
+    if (Status status = cache.refresh(); !status)
+      return status;
+    if (cache.has_frame(number))
+      return {};
+    if (stop_requested())
+      return stopped_by_signal(fmt::format("frame {} is the next to draw", number));
+    idle = is_being_simulated(out) ? 0 : idle + 1;
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  }
+  return not_cached(number, out);
+}
+
+/// The whole of one run of render_frames().
+class SequenceDrawing {
+public:
+  SequenceDrawing(const shots::Shot& shot, const RenderOptions& options, FrameCache& cache, const SceneStatic& scene,
+                  const render::RenderPlan& plan, const CameraMotion& camera)
+      : m_shot(shot)
+      , m_options(options)
+      , m_cache(cache)
+      , m_plan(plan)
+      , m_camera(camera)
+      , m_settings(fingerprint(plan, &shot))
+      , m_draughtsman(plan, scene) {}
+
+  Status draw_frame(int number) {
+    if (m_options.source == RenderOptions::Frames::follow) {
+      if (Status status = wait_for_frame(m_cache, number, m_options.out); !status)
+        return status;
+    }
+    const std::vector<CachedFrame> cached = m_cache.frames();
+    const CachedFrame* entry = find_frame(cached, number);
+    if (entry == nullptr)
+      return not_cached(number, m_options.out);
+    std::optional<Frame> frame;
+    for (const render::View& view : m_plan.views) {
+      if (stop_requested())
+        return stopped_by_signal(fmt::format("frame {} is the next to draw", number));
+      if (Status status = draw_view(view, *entry, frame); !status)
+        return status;
+    }
+    return {};
+  }
+
+  const RenderOutcome& outcome() const { return m_outcome; }
+
+private:
+  Status draw_view(const render::View& view, const CachedFrame& entry, std::optional<Frame>& frame) {
+    PictureJob job;
+    job.path = picture_path(m_options.out, *m_shot.shot.name, view.name, entry.number);
+    job.inputs = sha256_of_bytes(entry.sha256 + " " + view.name + " " + m_settings);
+    if (view.name == "beauty") {
+      for (const shots::Located<std::string>& layer : m_shot.render.exr)
+        job.layers.push_back(*layer);
+    }
+    if (is_up_to_date(job)) {
+      ++m_outcome.kept;
+      return {};
+    }
+    if (!frame) {
+      Result<Frame> read = m_cache.read_frame(entry.number);
+      if (!read)
+        return read.error();
+      frame = std::move(*read);
+    }
+    job.picture.view = view.name;
+    job.picture.slate = slate_lines(m_shot, *frame);
+    if (m_camera.moves()) {
+      Result<render::CameraPlan> camera = m_camera.at(*frame);
+      if (!camera)
+        return camera.error();
+      job.picture.camera = std::move(*camera);
+    }
+    job.texts = {{"wry:shot", *m_shot.shot.name},
+                 {"wry:frame", std::to_string(entry.number)},
+                 {"wry:time", fmt::format("{}", frame->time)},
+                 {"wry:view", view.name},
+                 {"wry:frame_sha256", entry.sha256}};
+    if (Status status = m_draughtsman.draw(*frame, std::move(job)); !status)
+      return status;
+    ++m_outcome.drawn;
+    return {};
+  }
+
+  const shots::Shot& m_shot;
+  const RenderOptions& m_options;
+  FrameCache& m_cache;
+  const render::RenderPlan& m_plan;
+  const CameraMotion& m_camera;
+  std::string m_settings;
+  Draughtsman m_draughtsman;
+  RenderOutcome m_outcome;
+};
+
+/// While frames are still to come their reach is not known: room is left about what is there.
+void leave_room(render::SubjectBounds& bounds) {
+  constexpr double ROOM = 1.25;
+  const Vec3 centre = bounds.centre();
+  render::SubjectBounds wider = bounds;
+  wider.include(Points(((bounds.outline().rowwise() - centre.transpose()) * ROOM).rowwise() + centre.transpose()));
+  bounds = wider;
+}
+
+} // namespace
+
 Result<RenderOutcome> render_frames(const shots::Shot& shot, const RenderOptions& options) {
-  const Result<FrameCache> cache = FrameCache::open_to_read(options.out / "frames");
+  Result<FrameCache> cache = FrameCache::open_to_read(options.out / "frames");
   if (!cache)
     return cache.error();
-  const Result<SequenceFacts> facts = gather_sequence(shot, *cache);
+  const bool follows = options.source == RenderOptions::Frames::follow;
+  if (follows && !options.frames.empty()) {
+    // The first frame alone settles the framing, so that it is the same for every process and every frame to come.
+    if (Status status = wait_for_frame(*cache, options.frames.front(), options.out); !status)
+      return status.error();
+  }
+  const std::vector<int> framed = follows ? std::vector<int>{options.frames.front()} : std::vector<int>{};
+  Result<SequenceFacts> facts = gather_sequence(shot, *cache, framed);
   if (!facts)
     return facts.error();
-  const Result<render::RenderPlan> plan = compile_render(shot, *facts, options.backend);
-  if (!plan)
-    return plan.error();
+  if (follows)
+    leave_room(facts->bounds);
   Result<SceneStatic> scene = cache->read_static();
   if (!scene)
     return scene.error();
   dress_scene(shot, *scene);
-  const std::string settings = fingerprint(*plan, &shot);
-  const std::vector<CachedFrame> cached = cache->frames();
-
+  const Result<CameraMotion> camera = CameraMotion::create(shot, *scene, facts->bounds);
+  if (!camera)
+    return camera.error();
+  Result<render::RenderPlan> plan = compile_render(shot, *facts, camera->plan(), options.backend);
+  if (!plan)
+    return plan.error();
+  auto appearances = compile_appearances(shot, *scene);
+  if (!appearances)
+    return appearances.error();
+  plan->appearances = std::move(*appearances);
   if (Status status = prepare_folder(options.out / "images"); !status)
     return status.error();
-  RenderOutcome outcome;
-  Draughtsman draughtsman(*plan, *scene);
+  SequenceDrawing drawing(shot, options, *cache, *scene, *plan, *camera);
   Progress progress(*shot.shot.name + ": render", static_cast<double>(options.frames.size()), 0.0,
                     progress_mode(options.talk, options.part));
   for (std::size_t i = 0; i < options.frames.size(); ++i) {
-    const int number = options.frames[i];
-    progress.update(static_cast<double>(i), fmt::format("frame {}", number));
+    progress.update(static_cast<double>(i), fmt::format("frame {}", options.frames[i]));
     if (static_cast<int>(i) % options.parts != options.part)
       continue;
-    const auto entry =
-        std::find_if(cached.begin(), cached.end(), [&](const CachedFrame& frame) { return frame.number == number; });
-    if (entry == cached.end())
-      return make_error(ErrorCode::missing_input, "frame {} is not in the cache {}; simulate it first", number,
-                        (options.out / "frames").string());
-    std::optional<Frame> frame;
-    for (const render::View& view : plan->views) {
-      if (stop_requested())
-        return stopped_by_signal(fmt::format("frame {} is the next to draw", number));
-      PictureJob job;
-      job.path = picture_path(options.out, *shot.shot.name, view.name, number);
-      job.inputs = sha256_of_bytes(entry->sha256 + " " + view.name + " " + settings);
-      if (is_up_to_date(job)) {
-        ++outcome.kept;
-        continue;
-      }
-      if (!frame) {
-        Result<Frame> read = cache->read_frame(number);
-        if (!read)
-          return read.error();
-        frame = std::move(*read);
-      }
-      job.picture.view = view.name;
-      job.picture.slate = slate_lines(shot, *frame);
-      job.texts = {{"wry:shot", *shot.shot.name},
-                   {"wry:frame", std::to_string(number)},
-                   {"wry:time", fmt::format("{}", frame->time)},
-                   {"wry:view", view.name},
-                   {"wry:frame_sha256", entry->sha256}};
-      if (Status status = draughtsman.draw(*frame, std::move(job)); !status)
-        return status.error();
-      ++outcome.drawn;
-    }
+    if (Status status = drawing.draw_frame(options.frames[i]); !status)
+      return status.error();
   }
   progress.update(static_cast<double>(options.frames.size()), "done");
-  return outcome;
+  return drawing.outcome();
 }
 
-Result<RenderOutcome> render_turntable(render::RenderPlan plan, const SceneStatic& scene, const Frame& frame,
-                                       const TurntableJob& job) {
+namespace {
+
+/// One turn, where `frame_of` gives what picture i shows.
+Result<RenderOutcome> draw_turn(render::RenderPlan plan, const SceneStatic& scene, const TurntableJob& job,
+                                const std::function<Result<Frame>(int)>& frame_of) {
   plan.framing = render::Framing::orbit;
   const std::string settings = fingerprint(plan, nullptr) + job.inputs_key;
   RenderOutcome outcome;
@@ -260,12 +458,50 @@ Result<RenderOutcome> render_turntable(render::RenderPlan plan, const SceneStati
     picture.picture.view = job.view;
     picture.picture.orbit_turns = render::turntable_turns(i, job.pictures);
     picture.texts = {{"wry:turntable", fmt::format("{}/{}", i + 1, job.pictures)}};
-    if (Status status = draughtsman.draw(frame, std::move(picture)); !status)
+    const Result<Frame> frame = frame_of(i);
+    if (!frame)
+      return frame.error();
+    if (Status status = draughtsman.draw(*frame, std::move(picture)); !status)
       return status.error();
     ++outcome.drawn;
   }
   progress.update(job.pictures, "done");
   return outcome;
+}
+
+} // namespace
+
+Result<RenderOutcome> render_turntable(render::RenderPlan plan, const SceneStatic& scene, const Frame& frame,
+                                       const TurntableJob& job) {
+  return draw_turn(std::move(plan), scene, job, [&](int) { return Result<Frame>(frame); });
+}
+
+Result<RenderOutcome> render_moving_turntable(render::RenderPlan plan, const SceneStatic& scene,
+                                              const FrameCache& cache, const TurntableJob& job) {
+  const std::vector<CachedFrame> frames = cache.frames();
+  if (frames.empty())
+    return make_error(ErrorCode::missing_input, "there is no frame in the cache; run `wry simulate` first");
+  return draw_turn(std::move(plan), scene, job,
+                   [&](int i) { return cache.read_frame(frames[static_cast<std::size_t>(i) % frames.size()].number); });
+}
+
+Status write_contact_sheet(const shots::Shot& shot, const fs::path& out, const std::string& view,
+                           const std::vector<int>& frames) {
+  constexpr std::size_t MOST = 24;
+  const std::size_t count = std::min(frames.size(), MOST);
+  std::vector<render::SheetEntry> entries;
+  for (std::size_t i = 0; i < count; ++i) {
+    const int number = frames[count > 1 ? i * (frames.size() - 1) / (count - 1) : 0];
+    Result<render::PngContents> picture = render::read_png(picture_path(out, *shot.shot.name, view, number));
+    if (!picture)
+      return picture.error();
+    entries.push_back({std::move(picture->image), fmt::format("{}", number)});
+  }
+  const Result<render::Image> sheet = render::make_contact_sheet(entries);
+  if (!sheet)
+    return sheet.error();
+  return render::write_png(out / "images" / fmt::format("{}.{}.sheet.png", *shot.shot.name, view), *sheet,
+                           {{"wry:shot", *shot.shot.name}, {"wry:view", view}});
 }
 
 Status encode_film(const std::vector<fs::path>& pictures, const fs::path& film, double fps) {

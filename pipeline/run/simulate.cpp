@@ -12,9 +12,11 @@
 #include "pipeline/run/collider_frames.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/signals.h"
+#include "pipeline/run/watchdog.h"
 #include "shots/load.h"
 #include "shots/resolved.h"
 #include "sim/fem/fem_simulation.h"
+#include "sim/mpm/mpm_simulation.h"
 
 namespace wry::pipeline {
 
@@ -33,7 +35,8 @@ public:
       , m_plan(plan)
       , m_options(options)
       , m_cache(std::move(cache))
-      , m_checkpoints(std::move(checkpoints)) {}
+      , m_checkpoints(std::move(checkpoints))
+      , m_columns(plan.sim) {}
 
   Result<SimulateOutcome> go();
 
@@ -43,8 +46,12 @@ private:
   int last_complete_frame() const;
   Status start();
   Status restore(int last_complete);
+  Status make_simulations();
+  double time() const;
   Status advance_to_frame(int frame, Progress& progress);
+  template <class Simulation> Status advance(Simulation& simulation, int frame, Progress& progress);
   Status keep_frame(int frame);
+  Frame snapshot(int frame) const;
   Status write_checkpoint(int frame);
   Result<SceneStatic> whole_scene() const;
 
@@ -53,8 +60,11 @@ private:
   const SimulateOptions& m_options;
   FrameCache m_cache;
   CheckpointStore m_checkpoints;
-  std::unique_ptr<fem::FemSimulation> m_simulation;
+  std::unique_ptr<fem::FemSimulation> m_solids;    ///< nullptr: there are none
+  std::unique_ptr<mpm::MpmSimulation> m_particles; ///< nullptr: there are none
+  StepColumns m_columns;
   std::unique_ptr<CsvWriter> m_stats;
+  std::unique_ptr<Watchdog> m_watchdog;
   SimulateOutcome m_outcome;
   int m_frame = 0; ///< the last frame whose time has been reached
   int m_steps = 0; ///< since the shot's first frame
@@ -68,7 +78,13 @@ int SimulationRun::last_complete_frame() const {
 }
 
 Result<SceneStatic> SimulationRun::whole_scene() const {
-  SceneStatic scene = m_simulation->scene_static();
+  SceneStatic scene;
+  if (m_solids)
+    scene = m_solids->scene_static();
+  if (m_particles) {
+    for (SceneBody& body : m_particles->scene_static().bodies)
+      scene.bodies.push_back(std::move(body));
+  }
   for (std::size_t body = 0; body < m_plan.body_looks.size(); ++body)
     scene.bodies[body].look = m_plan.body_looks[body];
   if (Status status = add_colliders(m_plan.sim, scene); !status)
@@ -91,20 +107,50 @@ Status SimulationRun::restore(int last_complete) {
     m_steps = static_cast<int>(counter->values.at(0));
     checkpoint.state.erase(counter);
   }
-  if (Status status = m_simulation->restore(checkpoint.state); !status)
-    return status;
+  if (m_solids) {
+    if (Status status = m_solids->restore(checkpoint.state); !status)
+      return status;
+  }
+  if (m_particles) {
+    if (Status status = m_particles->restore(checkpoint.state); !status)
+      return status;
+  }
   m_frame = checkpoint.frame;
   m_outcome.resumed_from = checkpoint.frame;
   return {};
 }
 
+Status SimulationRun::make_simulations() {
+  if (!m_plan.sim.fem.bodies.empty()) {
+    Result<std::unique_ptr<fem::FemSimulation>> made =
+        fem::FemSimulation::create(m_plan.sim.fem, m_options.threads, m_options.isa);
+    if (!made)
+      return made.error();
+    m_solids = std::move(*made);
+    m_outcome.solver = m_solids->solver_choice().reason;
+  }
+  if (!m_plan.sim.mpm.bodies.empty()) {
+    Result<std::unique_ptr<mpm::MpmSimulation>> made =
+        mpm::MpmSimulation::create(m_plan.sim.mpm, m_options.threads, m_options.isa);
+    if (!made)
+      return made.error();
+    m_particles = std::move(*made);
+    if (m_outcome.solver.empty())
+      m_outcome.solver = "explicit";
+  }
+  return {};
+}
+
+/// How far all of the simulation is.
+double SimulationRun::time() const {
+  if (m_solids && m_particles)
+    return std::min(m_solids->time(), m_particles->time());
+  return m_solids ? m_solids->time() : m_particles->time();
+}
+
 Status SimulationRun::start() {
-  Result<std::unique_ptr<fem::FemSimulation>> made =
-      fem::FemSimulation::create(m_plan.sim.fem, m_options.threads, m_options.isa);
-  if (!made)
-    return made.error();
-  m_simulation = std::move(*made);
-  m_outcome.solver = m_simulation->solver_choice().reason;
+  if (Status status = make_simulations(); !status)
+    return status;
   m_frame = first();
   const int complete = last_complete_frame();
   if (complete >= first() && m_cache.has_static()) {
@@ -118,11 +164,26 @@ Status SimulationRun::start() {
       return status;
   }
   const int kept_steps = m_steps;
-  Result<CsvWriter> stats = CsvWriter::open(m_options.out / "stats.csv", step_columns(), "step", kept_steps);
+  Result<CsvWriter> stats = CsvWriter::open(m_options.out / "stats.csv", m_columns.names(), "step", kept_steps);
   if (!stats)
     return stats.error();
   m_stats = std::make_unique<CsvWriter>(std::move(*stats));
   return {};
+}
+
+Frame SimulationRun::snapshot(int frame) const {
+  Frame whole;
+  if (m_solids)
+    whole = m_solids->snapshot(frame);
+  if (m_particles) {
+    Frame particles = m_particles->snapshot(frame);
+    whole.number = particles.number;
+    whole.time = particles.time;
+    for (FrameBody& body : particles.bodies)
+      whole.bodies.push_back(std::move(body));
+  }
+  add_collider_poses(m_plan.sim, whole);
+  return whole;
 }
 
 Status SimulationRun::keep_frame(int frame) {
@@ -130,9 +191,7 @@ Status SimulationRun::keep_frame(int frame) {
     ++m_outcome.frames_kept;
     return {};
   }
-  Frame snapshot = m_simulation->snapshot(frame);
-  add_collider_poses(m_plan.sim, snapshot);
-  if (Status status = m_cache.write_frame(snapshot); !status)
+  if (Status status = m_cache.write_frame(snapshot(frame)); !status)
     return status;
   ++m_outcome.frames_written;
   return write_checkpoint(frame);
@@ -141,31 +200,57 @@ Status SimulationRun::keep_frame(int frame) {
 Status SimulationRun::write_checkpoint(int frame) {
   if (Status status = m_stats->sync(); !status)
     return status;
-  StateArchive state = m_simulation->archive();
+  StateArchive state;
+  if (m_solids)
+    state = m_solids->archive();
+  if (m_particles) {
+    for (NamedArray& array : m_particles->archive())
+      state.push_back(std::move(array));
+  }
   state.push_back({STEP_COUNT, {1}, {static_cast<double>(m_steps)}});
-  return m_checkpoints.write(state, frame, m_simulation->time());
+  return m_checkpoints.write(state, frame, time());
 }
 
-Status SimulationRun::advance_to_frame(int frame, Progress& progress) {
+std::string step_text(const fem::StepStats& stats) {
+  return fmt::format("{} Newton, dt {:.2g} s", stats.newton_iterations, stats.dt);
+}
+
+std::string step_text(const mpm::StepStats& stats) {
+  return fmt::format("{} particles, dt {:.2g} s ({})", stats.particles, stats.dt, mpm::step_limit_name(stats.limit));
+}
+
+template <class Simulation> Status SimulationRun::advance(Simulation& simulation, int frame, Progress& progress) {
   const double end = m_plan.sim.time_of(frame);
-  while (m_simulation->time() < end) {
-    const Result<fem::StepStats> stepped = m_simulation->step(end);
+  while (simulation.time() < end) {
+    const auto stepped = simulation.step(end);
     if (!stepped)
       return stepped.error();
     ++m_steps;
     m_outcome.totals.add(*stepped);
-    if (Status status = m_stats->append(step_row(m_steps, *stepped)); !status)
+    if (Status status = m_stats->append(m_columns.row(m_steps, *stepped)); !status)
       return status;
-    progress.update(m_simulation->time() * m_plan.sim.fps,
-                    fmt::format("frame {}, {} Newton, dt {:.2g} s", frame, stepped->newton_iterations, stepped->dt));
+    m_watchdog->progress(fmt::format("step {}, t = {:.4f} s", m_steps, time()));
+    progress.update(time() * m_plan.sim.fps, fmt::format("frame {}, {}", frame, step_text(*stepped)));
     if (stop_requested()) {
       // Between frames is a safe point too: the state is whole after every step.
       if (Status status = write_checkpoint(m_frame); !status)
         return status;
-      return stopped_by_signal(
-          fmt::format("at t = {:.4f} s, frame {} of {} is the last; the same command goes on from here",
-                      m_simulation->time(), m_frame, last()));
+      return stopped_by_signal(fmt::format(
+          "at t = {:.4f} s, frame {} of {} is the last; the same command goes on from here", time(), m_frame, last()));
     }
+  }
+  return {};
+}
+
+/// Nothing couples the two methods, so each goes to the frame by itself.
+Status SimulationRun::advance_to_frame(int frame, Progress& progress) {
+  if (m_solids) {
+    if (Status status = advance(*m_solids, frame, progress); !status)
+      return status;
+  }
+  if (m_particles) {
+    if (Status status = advance(*m_particles, frame, progress); !status)
+      return status;
   }
   m_frame = frame;
   return {};
@@ -180,9 +265,9 @@ Result<SimulateOutcome> SimulationRun::go() {
   if (Status status = start(); !status)
     return status.error();
   m_outcome.frames_kept = m_frame - first();
-  Progress progress(m_plan.name + ": simulate", m_plan.sim.time_of(last()) * m_plan.sim.fps,
-                    m_simulation->time() * m_plan.sim.fps,
+  Progress progress(m_plan.name + ": simulate", m_plan.sim.time_of(last()) * m_plan.sim.fps, time() * m_plan.sim.fps,
                     m_options.talk == SimulateOptions::Talk::quiet ? Progress::Mode::quiet : Progress::Mode::automatic);
+  m_watchdog = std::make_unique<Watchdog>(Watchdog::Settings{std::chrono::minutes(30), m_plan.name, {}});
   Status status = keep_frame(m_frame);
   while (status.ok() && m_frame < last()) {
     status = advance_to_frame(m_frame + 1, progress);

@@ -43,6 +43,34 @@ TEST_F(BadInput, SingularMicrorotationsAreRefused) {
   EXPECT_EQ(outcome.exit_code, 65) << outcome.err;
 }
 
+TEST_F(BadInput, ARestCurvatureThatHasNoValueIsRefusedWithItsLineAndReason) {
+  const auto curved = [&](const std::string& formula) {
+    return plan("length_scale = 0.02", "length_scale = 0.02\nrest_curvature = { zx = \"" + formula + "\" }");
+  };
+  const Outcome unknown = curved("8*quux");
+  EXPECT_EQ(unknown.exit_code, 65);
+  EXPECT_NE(unknown.err.find("bar.toml:18:"), std::string::npos) << unknown.err;
+  EXPECT_NE(unknown.err.find("quux"), std::string::npos) << unknown.err;
+  const Outcome not_a_number = curved("ln(X - 5)");
+  EXPECT_EQ(not_a_number.exit_code, 65);
+  EXPECT_NE(not_a_number.err.find("bar.toml:18:"), std::string::npos) << not_a_number.err;
+  EXPECT_NE(not_a_number.err.find("ln(X - 5)"), std::string::npos) << not_a_number.err;
+  EXPECT_EQ(curved("8*u + v*t").exit_code, 0) << "a box has coordinates of its own";
+}
+
+TEST_F(BadInput, AFactorThatVanishesSomewhereIsRefusedWithThePlace) {
+  const Outcome outcome = plan("length_scale = 0.02", "length_scale = 0.02\nvary = { youngs_modulus = \"X\" }");
+  EXPECT_EQ(outcome.exit_code, 65);
+  EXPECT_NE(outcome.err.find("bar.toml:18:"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("above 0"), std::string::npos) << outcome.err;
+}
+
+TEST_F(BadInput, ALoadThatDependsOnThePlaceIsRefused) {
+  const Outcome outcome = plan("[render]", "[[load]]\nforce = { x = \"10*Y\" }\n\n[render]");
+  EXPECT_EQ(outcome.exit_code, 65);
+  EXPECT_NE(outcome.err.find("may depend on t only"), std::string::npos) << outcome.err;
+}
+
 TEST_F(BadInput, AMissingShotOrMeshIsMissingInput) {
   EXPECT_EQ(run_wry({"plan", "nowhere.toml"}, m_folder.path()).exit_code, 66);
   const Outcome outcome = plan("box = { size = [0.4, 0.1, 0.1] }", "mesh = \"nowhere.obj\"");

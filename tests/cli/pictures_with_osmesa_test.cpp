@@ -50,5 +50,56 @@ TEST_F(Pictures, OfATurntableDoNotRepeatTheFirst) {
   EXPECT_NE(read_text(folder / "bar.0002.0001.png"), read_text(folder / "bar.0002.0006.png"));
 }
 
+TEST_F(Pictures, ComeWithLayersASheetAndClearBackgroundsWhenAsked) {
+  const Outcome run = run_wry({"run", "bar.toml", "--out", "a", "--frames", "1-3", "--set",
+                               "render.exr=[\"colour\",\"Z\",\"N\",\"velocity\",\"id\"]", "--set",
+                               "render.contact_sheet=true", "--set", "render.bits=\"16\"", "--set",
+                               "render.ground.catch_shadow=true", "--set", "render.camera.orbit_turns=0.25"},
+                              m_folder.path());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const fs::path images = m_folder.path() / "a" / "images";
+  EXPECT_GT(read_text(images / "bar.beauty.0003.exr").size(), 1000u);
+  EXPECT_GT(read_text(images / "bar.beauty.sheet.png").size(), 1000u);
+  const std::string png = read_text(images / "bar.beauty.0002.png");
+  EXPECT_EQ(png[24], 16); // bits a channel
+  EXPECT_EQ(png[25], 6);  // with alpha
+}
+
+TEST_F(Pictures, AreDrawnBesideARunningSimulationEachOnce) {
+  ASSERT_EQ(run_wry({"simulate", "bar.toml", "--out", "a", "--frames", "1-2"}, m_folder.path()).exit_code, 0);
+  const Outcome followed =
+      run_wry({"render", "bar.toml", "--out", "a", "--frames", "1-2", "--follow"}, m_folder.path());
+  ASSERT_EQ(followed.exit_code, 0) << followed.err;
+  EXPECT_TRUE(fs::exists(m_folder.path() / "a" / "images" / "bar.beauty.0002.png"));
+}
+
+TEST_F(Pictures, OfTwoRunsAreSplitAndSubtracted) {
+  ASSERT_EQ(run_wry({"run", "bar.toml", "--out", "a", "--frames", "1-2"}, m_folder.path()).exit_code, 0);
+  const std::vector<std::string> compare = {"compare", "a", "--with", "a", "--mode", "difference", "--out", "d"};
+  const Outcome same = run_wry(compare, m_folder.path());
+  ASSERT_EQ(same.exit_code, 0) << same.err;
+  EXPECT_NE(same.out.find("0 of 2 pictures differ"), std::string::npos) << same.out;
+  EXPECT_TRUE(fs::exists(m_folder.path() / "d" / "difference.beauty.0001.png"));
+  EXPECT_EQ(run_wry({"compare", "a", "--with", "nowhere"}, m_folder.path()).exit_code, 66);
+  EXPECT_EQ(run_wry({"compare", "a"}, m_folder.path()).exit_code, 2);
+}
+
+TEST_F(Pictures, BadInputEndsWithItsOwnCode) {
+  ASSERT_EQ(run_wry({"simulate", "bar.toml", "--out", "a", "--frames", "1"}, m_folder.path()).exit_code, 0);
+  const auto drawn = [&](const std::string& set) {
+    return run_wry({"render", "bar.toml", "--out", "a", "--frames", "1", "--threads", "1", "--set", set},
+                   m_folder.path());
+  };
+  EXPECT_EQ(drawn("render.size=[20000,100]").exit_code, 65);
+  EXPECT_EQ(drawn("render.lights={rig=\"image\"}").exit_code, 65);
+  const Outcome missing = drawn("render.lights={rig=\"image\",image=\"nowhere.hdr\"}");
+  EXPECT_EQ(missing.exit_code, 66) << missing.err;
+  EXPECT_NE(missing.err.find("nowhere.hdr"), std::string::npos);
+  const Outcome channel = drawn("render.views=[\"heat.nothing\"]");
+  EXPECT_EQ(channel.exit_code, 65) << channel.err;
+  EXPECT_NE(channel.err.find("nothing"), std::string::npos);
+  EXPECT_EQ(drawn("render.camera.keys=[{frame=5,position=[3,3,3]},{frame=2,position=[1,3,3]}]").exit_code, 65);
+}
+
 } // namespace
 } // namespace wry::cli_test

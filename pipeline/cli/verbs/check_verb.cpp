@@ -7,6 +7,7 @@
 #include "pipeline/cache/verified_folder.h"
 #include "pipeline/cli/shot_session.h"
 #include "pipeline/cli/verb.h"
+#include "pipeline/run/check_frames.h"
 #include "render/png.h"
 #include "shots/load.h"
 
@@ -19,6 +20,7 @@ namespace fs = std::filesystem;
 struct Tally {
   std::size_t good = 0;
   std::size_t damaged = 0;
+  std::size_t intersecting = 0; ///< frames
 };
 
 Status check_manifest_folder(const fs::path& folder, Tally& tally) {
@@ -62,6 +64,20 @@ Status check_pictures(const fs::path& folder, Tally& tally) {
   return {};
 }
 
+Status check_intersections(const shots::Shot& shot, const fs::path& folder, Tally& tally) {
+  if (!shot.contact || tally.damaged > 0 || !fs::exists(folder / "frames"))
+    return {};
+  const Result<IntersectionReport> report = find_intersections(shot, folder, Threads());
+  if (!report)
+    return report.error();
+  for (const std::string& finding : report->findings)
+    fmt::print("intersecting: {}\n", finding);
+  tally.intersecting += report->findings.size();
+  fmt::print("{}: {} frames tested exactly, {} with intersections\n", folder.string(), report->frames,
+             report->findings.size());
+  return {};
+}
+
 Status check_output_folder(const fs::path& folder) {
   Tally tally;
   for (const char* part : {"frames", "checkpoints"}) {
@@ -77,10 +93,15 @@ Status check_output_folder(const fs::path& folder) {
     if (!shot) {
       ++tally.damaged;
       fmt::print("damaged: {}\n", shot.error().message);
+    } else if (Status status = check_intersections(*shot, folder, tally); !status) {
+      return status;
     }
   }
   if (tally.good == 0 && tally.damaged == 0)
     return make_error(ErrorCode::missing_input, "{} holds no frames, checkpoints or pictures of wry", folder.string());
+  if (tally.intersecting > 0)
+    return make_error(ErrorCode::check_failed, "{}: surfaces intersect in {} frames", folder.string(),
+                      tally.intersecting);
   if (tally.damaged > 0)
     return make_error(ErrorCode::check_failed, "{}: {} files are damaged; `wry run` makes them again", folder.string(),
                       tally.damaged);

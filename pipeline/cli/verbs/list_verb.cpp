@@ -28,7 +28,7 @@ Status list_verb(const Invocation&) {
   text += fmt::format("instruction sets   up to {} on this machine\n", isa_name(native_isa()));
   text += "material models    " + joined(shots::list_choices("material.*.model")) + "\n";
   text += "linear solvers     " + joined(shots::list_choices("fem.linear_solver")) + "\n";
-  text += "views              beauty, clay, wire, heat.<channel>\n";
+  text += "views              beauty, clay, wire, heat.<channel>, directors, fibres, contacts\n";
   std::vector<std::string> looks;
   for (const auto& [name, look] : render::built_in_looks())
     looks.push_back(name);

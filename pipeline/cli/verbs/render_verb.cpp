@@ -1,30 +1,27 @@
-#include <chrono>
-#include <thread>
-
-#include <fmt/format.h>
-
 #include "pipeline/cli/shot_run.h"
 #include "pipeline/cli/verb.h"
 #include "pipeline/run/signals.h"
+
+#include <chrono>
+#include <thread>
 
 namespace wry::pipeline {
 
 namespace {
 
-/// Waits until every frame that is asked for is in the cache.
-Status wait_for_frames(const ShotSession& session) {
-  while (!stop_requested()) {
-    const Result<FrameCache> cache = FrameCache::open_to_read(session.out / "frames");
-    bool complete = cache.ok();
-    for (const int frame : session.frames)
-      complete = complete && cache->has_frame(frame);
-    if (complete)
+/// Waits until there is a cache to look at, as long as somebody may be about to make one.
+Status wait_for_cache(const ShotSession& session) {
+  constexpr int LOOKS = 120; // half a second apart
+  for (int look = 0; look < LOOKS && !stop_requested();) {
+    if (const Result<FrameCache> cache = FrameCache::open_to_read(session.out / "frames"); cache && cache->has_static())
       return {};
-    if (cache.ok() && !cache->frames().empty())
-      return {};
+    look = is_being_simulated(session.out) ? 0 : look + 1;
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
   }
-  return stopped_by_signal("while waiting for the first frame");
+  if (stop_requested())
+    return stopped_by_signal("while waiting for the first frame");
+  return make_error(ErrorCode::missing_input, "{} has no frames, and nothing simulates them; run `wry simulate`",
+                    session.out.string());
 }
 
 } // namespace
@@ -34,10 +31,12 @@ Status render_verb(const Invocation& invocation) {
   if (!session)
     return session.error();
   if (invocation.follow) {
-    if (Status status = wait_for_frames(*session); !status)
+    if (Status status = wait_for_cache(*session); !status)
       return status;
   }
-  return draw_session(*session, invocation);
+  if (Status status = draw_session(*session, invocation); !status)
+    return status;
+  return invocation.part.empty() ? encode_session(*session) : Status();
 }
 
 } // namespace wry::pipeline

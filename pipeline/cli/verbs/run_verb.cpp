@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "pipeline/cli/output_folder.h"
+#include "pipeline/cli/run_report.h"
 #include "pipeline/cli/shot_run.h"
 #include "pipeline/cli/verb.h"
 #include "pipeline/plan/plan_report.h"
@@ -34,8 +35,11 @@ Status run_verb(const Invocation& invocation) {
   const Result<MeasureTable> table = measure_frames(*plan, session->out);
   if (!table)
     return table.error();
+  if (Status status = write_run_report(*session, *plan); !status)
+    return status;
   if (!invocation.quiet)
-    fmt::print("pictures: {}\n", (session->out / "images").string());
+    fmt::print("pictures: {}\nreport:   {}\n", (session->out / "images").string(),
+               (session->out / "report.html").string());
   return check_expectations(*session, *table);
 }
 

@@ -1,14 +1,18 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "pipeline/cache/atomic_file.h"
 #include "pipeline/cli/output_folder.h"
-#include "pipeline/cli/shot_session.h"
+#include "pipeline/cli/study_session.h"
 #include "pipeline/cli/verb.h"
-#include "pipeline/report/csv.h"
+#include "pipeline/report/csv_table.h"
+#include "pipeline/study/study_page.h"
+#include "pipeline/study/study_pictures.h"
+#include "pipeline/study/study_table.h"
 #include "shots/load.h"
 #include "shots/sweep.h"
 
@@ -16,73 +20,15 @@ namespace wry::pipeline {
 
 namespace {
 
-namespace fs = std::filesystem;
-
-struct WedgeRun {
-  shots::Wedge wedge;
-  fs::path out;
-  int exit_code = 0;
-  /// Last row of its measure.csv, by column.
-  std::vector<std::pair<std::string, std::string>> measures;
-};
-
-std::vector<std::string> arguments_of(const WedgeRun& run, const Invocation& invocation) {
-  std::vector<std::string> words = {"run", invocation.subject};
-  for (const std::string& text : invocation.sets)
-    words.insert(words.end(), {"--set", text});
-  for (const shots::Override& override_ : run.wedge.overrides) {
-    if (override_.key == "case")
-      words.insert(words.end(), {"--case", override_.value});
-    else
-      words.insert(words.end(), {"--set", override_.key + "=" + override_.value});
-  }
-  words.insert(words.end(), {"--out", run.out.string(), "--isa", invocation.isa, "--gl", invocation.gl});
-  if (!invocation.frames.empty())
-    words.insert(words.end(), {"--frames", invocation.frames});
-  if (invocation.threads > 0)
-    words.insert(words.end(), {"--threads", std::to_string(invocation.threads)});
-  if (invocation.fresh)
-    words.push_back("--fresh");
-  words.push_back("--quiet");
-  return words;
-}
-
-void read_last_measures(WedgeRun& run) {
-  const Result<std::string> text = read_whole_file(run.out / "measure.csv");
-  if (!text)
-    return;
-  std::vector<std::string> lines;
-  std::size_t begin = 0;
-  while (begin < text->size()) {
-    const std::size_t end = std::min(text->find('\n', begin), text->size());
-    lines.push_back(text->substr(begin, end - begin));
-    begin = end + 1;
-  }
-  if (lines.size() < 2)
-    return;
-  const std::vector<std::string> names = split_csv_line(lines.front());
-  const std::vector<std::string> values = split_csv_line(lines.back());
-  for (std::size_t i = 0; i < std::min(names.size(), values.size()); ++i)
-    run.measures.emplace_back(names[i], values[i]);
-}
-
-const std::string* find_measure(const WedgeRun& run, const std::string& name) {
-  for (const auto& [column, value] : run.measures) {
-    if (column == name)
-      return &value;
-  }
-  return nullptr;
-}
-
 /// Ratios between wedges, which no single wedge can hold against its expectation.
-Status check_ratios(const shots::Shot& shot, const std::vector<WedgeRun>& runs) {
+Status check_ratios(const shots::Shot& shot, const std::vector<StudyRow>& rows) {
   std::string failed;
   const auto value_in = [&](const std::string& wedge, const std::string& measure) {
-    for (const WedgeRun& run : runs) {
-      if (run.wedge.name != wedge)
+    for (const StudyRow& row : rows) {
+      if (row.variant.name != wedge)
         continue;
-      if (const std::string* value = find_measure(run, measure))
-        return std::stod(*value);
+      if (const std::string* value = find_measure(row, measure))
+        return number_of(*value);
     }
     return std::numeric_limits<double>::quiet_NaN();
   };
@@ -100,23 +46,57 @@ Status check_ratios(const shots::Shot& shot, const std::vector<WedgeRun>& runs) 
   return {};
 }
 
-std::string table_csv(const std::vector<WedgeRun>& runs) {
-  std::string text = "wedge,name,exit_code";
-  const auto widest = std::max_element(runs.begin(), runs.end(), [](const WedgeRun& a, const WedgeRun& b) {
-    return a.measures.size() < b.measures.size();
-  });
-  for (const auto& [column, value] : widest->measures)
-    text += "," + csv_field(column);
-  text += "\n";
-  for (const WedgeRun& run : runs) {
-    text += fmt::format("{},{},{}", run.wedge.id(), csv_field(run.wedge.name), run.exit_code);
-    for (const auto& [column, ignored] : widest->measures) {
-      const std::string* value = find_measure(run, column);
-      text += "," + (value != nullptr ? *value : std::string());
-    }
-    text += "\n";
+/// The wedges of [sweep], numbered.
+Result<std::vector<Variant>> wedges_of(const std::string& shot, const std::filesystem::path& folder) {
+  const Result<shots::ShotDocument> document = shots::read_document(shot);
+  if (!document)
+    return document.error();
+  const Result<std::vector<shots::Wedge>> wedges = shots::expand_sweep(*document);
+  if (!wedges)
+    return wedges.error();
+  if (wedges->empty())
+    return make_error(ErrorCode::bad_input,
+                      "{} has no [sweep]; add lists of values, such as \"material.skin.length_scale\" = [0, 0.1, 1]",
+                      shot);
+  std::vector<Variant> variants;
+  for (const shots::Wedge& wedge : *wedges)
+    variants.push_back(variant_of(wedge));
+  if (Status status = number_variants(variants, folder); !status)
+    return status.error();
+  return variants;
+}
+
+/// The command that a farm runs last.
+std::vector<std::string> collecting_command(const Invocation& invocation, const std::filesystem::path& folder) {
+  std::vector<std::string> words = {"sweep", invocation.subject, "--collect", "--out", folder.string()};
+  for (const std::string& text : invocation.sets)
+    words.insert(words.end(), {"--set", text});
+  if (!invocation.frames.empty())
+    words.insert(words.end(), {"--frames", invocation.frames});
+  words.insert(words.end(), {"--isa", invocation.isa, "--gl", invocation.gl, "--quiet"});
+  return words;
+}
+
+/// Table, sheet, mosaic and page from what is there.
+Status write_sweep(const ShotSession& session, const StudyRequest& request, const std::vector<StudyRow>& rows,
+                   const Invocation& invocation) {
+  const std::filesystem::path table = request.folder / "sweep.csv";
+  if (Status status = write_file_atomically(table, study_csv(rows)); !status)
+    return status;
+  const Result<StudyPictures> pictures = make_study_pictures(request.folder, rows);
+  if (!pictures)
+    return pictures.error();
+  if (Status status = write_study_page(request.folder, *session.shot.shot.name, rows, *pictures); !status)
+    return status;
+  if (!invocation.quiet) {
+    fmt::print("{}\ntable: {}\n", study_summary(rows), table.string());
+    if (!pictures->sheet.empty())
+      fmt::print("sheet: {}\n", (request.folder / pictures->sheet).string());
+    if (!pictures->mosaic.empty())
+      fmt::print("film:  {}\n", (request.folder / pictures->mosaic).string());
+    fmt::print("page:  {}\n", (request.folder / "index.html").string());
   }
-  return text;
+  return {};
 }
 
 } // namespace
@@ -125,48 +105,40 @@ Status sweep_verb(const Invocation& invocation) {
   const Result<ShotSession> session = open_session(invocation);
   if (!session)
     return session.error();
-  const Result<shots::ShotDocument> document = shots::read_document(invocation.subject);
-  if (!document)
-    return document.error();
-  const Result<std::vector<shots::Wedge>> wedges = shots::expand_sweep(*document);
+  StudyRequest request = study_request(*session, invocation);
+  Result<std::vector<Variant>> wedges = wedges_of(invocation.subject, request.folder);
   if (!wedges)
     return wedges.error();
-  if (wedges->empty())
-    return make_error(ErrorCode::bad_input, "{} has no [sweep]", invocation.subject);
-  std::vector<WedgeRun> runs;
-  for (const shots::Wedge& wedge : *wedges)
-    runs.push_back({wedge, session->out / "wedges" / wedge.id(), 0, {}});
-  if (invocation.dry_run) {
-    for (const WedgeRun& run : runs)
-      fmt::print("{}  {}\n", run.wedge.id(), run.wedge.name);
+  request.variants = std::move(*wedges);
+  request.collect = collecting_command(invocation, request.folder);
+  Result<Study> study = read_study(request);
+  if (!study)
+    return study.error();
+  if (invocation.list || invocation.dry_run) {
+    print_job_graph(*study, invocation);
     return {};
   }
-  const Result<FolderLock> lock = take_folder(session->out);
-  if (!lock)
-    return lock.error();
-  int failures = 0;
-  for (WedgeRun& run : runs) {
-    if (!invocation.quiet)
-      fmt::print("wedge {}: {}\n", run.wedge.id(), run.wedge.name);
-    std::fflush(stdout);
-    const Result<std::vector<ChildOutcome>> outcome = run_self({arguments_of(run, invocation)});
-    if (!outcome)
-      return outcome.error();
-    run.exit_code = outcome->front().exit_code;
-    if (run.exit_code == static_cast<int>(ErrorCode::stopped))
-      return make_error(ErrorCode::stopped, "stopped in wedge {}; the same command goes on from there", run.wedge.id());
-    failures += run.exit_code == 0 ? 0 : 1;
-    read_last_measures(run);
+  std::optional<FolderLock> held;
+  if (!invocation.collect) {
+    // A farm's last job collects while the sweep that sent it still waits: only the one that sends jobs locks.
+    Result<FolderLock> lock = take_folder(request.folder);
+    if (!lock)
+      return lock.error();
+    held.emplace(std::move(*lock));
+    if (invocation.engine == "local") // what waits for the jobs collects, too
+      std::erase_if(study->graph.jobs, [](const Job& job) { return job.variant.empty(); });
+    study = run_study_session(request, *study, invocation);
+    if (!study)
+      return study.error();
   }
-  const std::string table = table_csv(runs);
-  if (Status status = write_file_atomically(session->out / "sweep.csv", table); !status)
+  if (Status status = write_sweep(*session, request, study->rows, invocation); !status)
     return status;
-  if (!invocation.quiet)
-    fmt::print("{}table: {}\n", table, (session->out / "sweep.csv").string());
-  if (failures > 0)
-    return make_error(ErrorCode::check_failed, "{} of {} wedges failed; their messages are above", failures,
-                      runs.size());
-  return check_ratios(session->shot, runs);
+  const auto bad = std::count_if(study->rows.begin(), study->rows.end(),
+                                 [](const StudyRow& row) { return row.outcome != StudyOutcome::done; });
+  if (bad > 0)
+    return make_error(ErrorCode::check_failed, "{} of {} wedges are not done:\n{}", bad, study->rows.size(),
+                      study_failures(study->rows));
+  return check_ratios(session->shot, study->rows);
 }
 
 } // namespace wry::pipeline

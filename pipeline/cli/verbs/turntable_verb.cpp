@@ -1,4 +1,6 @@
 #include <filesystem>
+#include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -7,6 +9,8 @@
 #include "pipeline/cache/sha256.h"
 #include "pipeline/cli/shot_session.h"
 #include "pipeline/cli/verb.h"
+#include "pipeline/plan/compile_appearance.h"
+#include "pipeline/plan/compile_camera.h"
 #include "pipeline/run/render_frames.h"
 #include "render/mesh_scene.h"
 #include "shots/resolved.h"
@@ -26,10 +30,11 @@ struct Subject {
   SceneStatic scene;
   Frame frame;
   TurntableJob job;
+  std::optional<FrameCache> moving; ///< the frames that play while it turns; absent: `frame` stands still
 };
 
 Result<Subject> shot_subject(const ShotSession& session, const Invocation& invocation, render::GlBackend backend) {
-  const Result<FrameCache> cache = FrameCache::open_to_read(session.out / "frames");
+  Result<FrameCache> cache = FrameCache::open_to_read(session.out / "frames");
   if (!cache)
     return cache.error();
   const std::vector<CachedFrame> frames = cache->frames();
@@ -47,22 +52,42 @@ Result<Subject> shot_subject(const ShotSession& session, const Invocation& invoc
   Result<SceneStatic> scene = cache->read_static();
   if (!scene)
     return scene.error();
+  dress_scene(session.shot, *scene);
   SequenceFacts facts;
   facts.heat.resize(session.shot.render.views.size());
   if (Status status = facts.bounds.include(*scene, *frame); !status)
     return status.error();
-  Result<render::RenderPlan> plan = compile_render(session.shot, facts, backend);
+  const bool moving = *turntable.moving && invocation.turntable_frame == 0;
+  if (moving) {
+    Result<SequenceFacts> all = gather_sequence(session.shot, *cache);
+    if (!all)
+      return all.error();
+    facts = std::move(*all);
+  }
+  const Result<CameraMotion> camera = CameraMotion::create(session.shot, *scene, facts.bounds);
+  if (!camera)
+    return camera.error();
+  Result<render::RenderPlan> plan = compile_render(session.shot, facts, camera->plan(), backend);
   if (!plan)
     return plan.error();
+  auto appearances = compile_appearances(session.shot, *scene);
+  if (!appearances)
+    return appearances.error();
+  plan->appearances = std::move(*appearances);
   TurntableJob job;
   job.folder = session.out / "turntable";
   job.name = fmt::format("{}.{:04}", *session.shot.shot.name, number);
   job.pictures = static_cast<int>(*turntable.frames);
+  if (moving)
+    job.name = *session.shot.shot.name;
   for (const CachedFrame& cached : frames)
-    job.inputs_key += cached.number == number ? cached.sha256 : "";
+    job.inputs_key += moving || cached.number == number ? cached.sha256 : "";
   for (const shots::FlatKey& key : shots::flatten(session.shot))
     job.inputs_key += key.effect == shots::Effect::pictures ? key.key + "=" + key.value + " " : "";
-  return Subject{std::move(*plan), std::move(*scene), std::move(*frame), std::move(job)};
+  Subject subject{std::move(*plan), std::move(*scene), std::move(*frame), std::move(job), std::nullopt};
+  if (moving)
+    subject.moving.emplace(std::move(*cache));
+  return subject;
 }
 
 Result<Subject> mesh_subject(const Invocation& invocation, render::GlBackend backend) {
@@ -76,6 +101,11 @@ Result<Subject> mesh_subject(const Invocation& invocation, render::GlBackend bac
   subject.plan.bounds = scene.bounds;
   subject.plan.backend = backend;
   subject.plan.looks = render::built_in_looks();
+  if (imported->appearance)
+    subject.plan.appearances[name] = std::make_shared<render::MeshAppearance>(*imported->appearance);
+  for (const std::string& note :
+       invocation.part.empty() && !invocation.quiet ? imported->notes : std::vector<std::string>())
+    fmt::print(stderr, "note: {}: {}\n", path.filename().string(), note);
   subject.scene = std::move(scene.scene);
   subject.frame = std::move(scene.frame);
   subject.job.folder = (invocation.out.empty() ? fs::path("out") / name : fs::path(invocation.out)) / "turntable";
@@ -124,7 +154,9 @@ Status turntable_verb(const Invocation& invocation) {
   if (!invocation.part.empty()) {
     if (std::sscanf(invocation.part.c_str(), "%d/%d", &job.part, &job.parts) != 2 || job.parts < 1)
       return make_error(ErrorCode::usage, "--part {}: expected i/n", invocation.part);
-    const Result<RenderOutcome> outcome = render_turntable(subject->plan, subject->scene, subject->frame, job);
+    const Result<RenderOutcome> outcome =
+        subject->moving ? render_moving_turntable(subject->plan, subject->scene, *subject->moving, job)
+                        : render_turntable(subject->plan, subject->scene, subject->frame, job);
     return outcome ? Status() : Status(outcome.error());
   }
   if (Status status = prepare_folder(job.folder); !status)

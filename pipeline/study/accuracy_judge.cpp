@@ -1,0 +1,281 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "pipeline/cache/frame_cache.h"
+#include "pipeline/report/csv_table.h"
+#include "pipeline/study/accuracy.h"
+
+namespace wry::pipeline {
+
+namespace {
+
+constexpr double NAN_VALUE = std::numeric_limits<double>::quiet_NaN();
+
+/// Root mean square over common frames of the difference, over the largest value of the reference.
+double measure_error(const StudyRow& row, const StudyRow& reference, const std::string& measure) {
+  const CsvTable a = read_csv_table(row.folder / "measure.csv"), b = read_csv_table(reference.folder / "measure.csv");
+  const std::vector<double> frames_a = a.numbers("frame"), frames_b = b.numbers("frame");
+  const std::vector<double> values_a = a.numbers(measure), values_b = b.numbers(measure);
+  if (values_a.size() != frames_a.size() || values_b.size() != frames_b.size())
+    return NAN_VALUE;
+  double sum = 0.0, scale = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < frames_a.size(); ++i) {
+    const auto same = std::find(frames_b.begin(), frames_b.end(), frames_a[i]);
+    if (same == frames_b.end())
+      continue;
+    const double exact = values_b[static_cast<std::size_t>(same - frames_b.begin())];
+    sum += (values_a[i] - exact) * (values_a[i] - exact);
+    scale = std::max(scale, std::abs(exact));
+    ++count;
+  }
+  return count > 0 && scale > 0.0 ? std::sqrt(sum / count) / scale : NAN_VALUE;
+}
+
+/// Difference of a channel at the last frame, root mean square over all nodes; NaN when the meshes differ. Quaternions
+/// are compared up to their sign.
+double channel_difference(const Frame& a, const Frame& b, const std::string& name) {
+  double sum = 0.0;
+  std::size_t rows = 0;
+  for (std::size_t body = 0; body < std::min(a.bodies.size(), b.bodies.size()); ++body) {
+    const Channel* x = find_channel(a.bodies[body], name);
+    const Channel* y = find_channel(b.bodies[body], name);
+    if (x == nullptr || y == nullptr)
+      continue;
+    if (x->values.size() != y->values.size() || x->components != y->components)
+      return NAN_VALUE;
+    const auto columns = static_cast<std::size_t>(x->components);
+    for (std::size_t row = 0; row + columns <= x->values.size(); row += columns) {
+      double minus = 0.0, plus = 0.0;
+      for (std::size_t c = 0; c < columns; ++c) {
+        minus += (x->values[row + c] - y->values[row + c]) * (x->values[row + c] - y->values[row + c]);
+        plus += (x->values[row + c] + y->values[row + c]) * (x->values[row + c] + y->values[row + c]);
+      }
+      sum += columns == 4 ? std::min(minus, plus) : minus;
+      ++rows;
+    }
+  }
+  return rows > 0 ? std::sqrt(sum / static_cast<double>(rows)) : NAN_VALUE;
+}
+
+/// Errors of the nodes themselves at the last frame: positions over the size of the scene, rotations as they are.
+std::vector<ErrorValue> node_errors(const StudyRow& row, const StudyRow& reference) {
+  std::vector<ErrorValue> errors = {{"position", NAN_VALUE}, {"rotation", NAN_VALUE}};
+  const Result<FrameCache> a = FrameCache::open_to_read(row.folder / "frames"),
+                           b = FrameCache::open_to_read(reference.folder / "frames");
+  if (!a || !b || row.frames.empty())
+    return errors;
+  const Result<Frame> mine = a->read_frame(row.frames.back()), exact = b->read_frame(row.frames.back());
+  if (!mine || !exact)
+    return errors;
+  double size = 0.0;
+  for (const FrameBody& body : exact->bodies) {
+    if (const Channel* position = find_channel(body, "position"); position != nullptr && position->values.size() >= 3) {
+      const Eigen::Map<const Points> points(position->values.data(),
+                                            static_cast<Eigen::Index>(position->values.size() / 3), 3);
+      size = std::max(size, (points.colwise().maxCoeff() - points.colwise().minCoeff()).maxCoeff());
+    }
+  }
+  errors[0].error = channel_difference(*mine, *exact, "position") / size;
+  errors[1].error = channel_difference(*mine, *exact, "microrotation");
+  return errors;
+}
+
+double exact_error(const StudyRow& row, const std::string& measure, double exact) {
+  const CsvTable table = read_csv_table(row.folder / "measure.csv");
+  const std::vector<double> values = table.numbers(measure);
+  return values.empty() || exact == 0.0 ? NAN_VALUE : std::abs(values.back() - exact) / std::abs(exact);
+}
+
+/// Judges the runs of one accuracy study.
+class Judge {
+public:
+  Judge(const shots::AccuracySection& section, const AccuracyStudy& plan, const std::vector<StudyRow>& rows)
+      : m_section(section)
+      , m_plan(plan)
+      , m_rows(rows) {}
+
+  AccuracyReport judge() {
+    find_quantities();
+    for (const Rung& rung : m_plan.rungs) {
+      if (!rung.is_reference)
+        m_report.rungs.push_back(judged(rung));
+    }
+    drop_empty_quantities();
+    for (std::size_t ladder = 0; ladder < m_section.ladders.size(); ++ladder) {
+      for (std::size_t q = 0; q < m_report.quantities.size(); ++q)
+        m_report.verdicts.push_back(verdict(ladder, q));
+    }
+    if (!m_report.quantities.empty())
+      advise();
+    return std::move(m_report);
+  }
+
+private:
+  void find_quantities() {
+    for (const auto& [name, value] : m_section.exact)
+      m_report.quantities.push_back(name);
+    if (!m_report.quantities.empty() && m_section.reference.empty())
+      return;
+    for (const StudyRow& row : m_rows) {
+      for (const auto& [name, value] : row.measures) {
+        const bool known =
+            std::find(m_report.quantities.begin(), m_report.quantities.end(), name) != m_report.quantities.end();
+        if (!known && name != "frame" && name != "time_s")
+          m_report.quantities.push_back(name);
+      }
+    }
+    m_report.quantities.insert(m_report.quantities.end(), {"position", "rotation"});
+  }
+
+  /// What no rung has, such as rotations of a classic solid.
+  void drop_empty_quantities() {
+    for (std::size_t q = m_report.quantities.size(); q-- > 0;) {
+      const bool any = std::any_of(m_report.rungs.begin(), m_report.rungs.end(),
+                                   [&](const JudgedRung& rung) { return std::isfinite(rung.errors[q].error); });
+      if (any)
+        continue;
+      m_report.quantities.erase(m_report.quantities.begin() + static_cast<std::ptrdiff_t>(q));
+      for (JudgedRung& rung : m_report.rungs)
+        rung.errors.erase(rung.errors.begin() + static_cast<std::ptrdiff_t>(q));
+    }
+  }
+
+  const Rung* reference_of(std::size_t ladder) const {
+    const auto found = std::find_if(m_plan.rungs.begin(), m_plan.rungs.end(),
+                                    [&](const Rung& rung) { return rung.ladder == ladder && rung.is_reference; });
+    return found == m_plan.rungs.end() ? nullptr : &*found;
+  }
+
+  JudgedRung judged(const Rung& rung) const {
+    const StudyRow& row = m_rows[rung.row];
+    JudgedRung result{
+        rung, row.variant.name, std::string(outcome_name(row.outcome)), row.cpu_seconds, row.wall_seconds, 0.0, 0.0,
+        {}};
+    const CsvTable stats = read_csv_table(row.folder / "stats.csv");
+    result.steps = static_cast<double>(stats.rows.size());
+    for (const double iterations : stats.numbers("newton_iterations"))
+      result.iterations += iterations;
+    const Rung* reference = reference_of(rung.ladder);
+    const StudyRow* exact = reference != nullptr ? &m_rows[reference->row] : nullptr;
+    if (row.outcome != StudyOutcome::done)
+      result.outcome += ": " + row.reason;
+    else if (exact != nullptr && exact->outcome != StudyOutcome::done)
+      result.outcome = "its reference is not done: " + exact->reason;
+    const bool comparable = result.outcome == "done";
+    const std::vector<ErrorValue> nodes =
+        comparable && exact != nullptr ? node_errors(row, *exact) : std::vector<ErrorValue>();
+    for (const std::string& quantity : m_report.quantities)
+      result.errors.push_back({quantity, comparable ? error_of(row, exact, nodes, quantity) : NAN_VALUE});
+    return result;
+  }
+
+  double error_of(const StudyRow& row, const StudyRow* exact, const std::vector<ErrorValue>& nodes,
+                  const std::string& quantity) const {
+    for (const auto& [name, value] : m_section.exact) {
+      if (name == quantity)
+        return exact_error(row, name, value);
+    }
+    for (const ErrorValue& value : nodes) {
+      if (value.quantity == quantity)
+        return value.error;
+    }
+    return exact != nullptr ? measure_error(row, *exact, quantity) : NAN_VALUE;
+  }
+
+  LadderVerdict verdict(std::size_t ladder, std::size_t q) const {
+    LadderVerdict result{m_section.ladders[ladder].key, m_report.quantities[q], NAN_VALUE, {}};
+    std::vector<double> values, errors;
+    bool falling = true;
+    for (const JudgedRung& judged : m_report.rungs) {
+      if (judged.rung.ladder != ladder || !std::isfinite(judged.errors[q].error))
+        continue;
+      const double error = judged.errors[q].error;
+      if (falling && !errors.empty() && error > 0.8 * errors.back()) {
+        falling = false;
+        result.remarks.push_back(
+            fmt::format("refining no longer helps at {}: {:.2g} after {:.2g}", judged.name, error, errors.back()));
+      }
+      if (!falling)
+        continue;
+      values.push_back(judged.rung.value);
+      errors.push_back(error);
+    }
+    result.observed_order = observed_order(values, errors);
+    judge_reference(ladder, values, result);
+    return result;
+  }
+
+  /// The error that is left in a reference finer by f is about f^-order of the finest rung's.
+  void judge_reference(std::size_t ladder, const std::vector<double>& values, LadderVerdict& result) const {
+    const Rung* reference = reference_of(ladder);
+    if (reference == nullptr || values.empty() || !std::isfinite(result.observed_order))
+      return;
+    const double finest = values.back();
+    if (!std::isfinite(reference->value)) {
+      if (std::none_of(m_section.reference.begin(), m_section.reference.end(),
+                       [&](const shots::Override& o) { return o.key == m_section.ladders[ladder].key; }))
+        result.remarks.push_back("the reference does not refine this key: its own error is in all of these");
+      return;
+    }
+    const double factor = std::max(finest / reference->value, reference->value / finest);
+    const double left = std::pow(factor, -std::abs(result.observed_order));
+    if (left > 0.3)
+      result.remarks.push_back(
+          fmt::format("the reference is not finer enough to judge the last rung: about {:.0f} % of "
+                      "its error would be the reference's own",
+                      100.0 * left));
+  }
+
+  void advise() {
+    std::vector<double> times, errors;
+    for (const JudgedRung& judged : m_report.rungs) {
+      times.push_back(judged.cpu_seconds);
+      errors.push_back(judged.errors.front().error);
+    }
+    m_report.front = pareto_front(times, errors);
+    const std::string& quantity = m_report.quantities.front();
+    const auto good = std::find_if(m_report.front.begin(), m_report.front.end(),
+                                   [&](std::size_t i) { return errors[i] <= m_section.tolerance; });
+    if (good == m_report.front.end()) {
+      m_report.advice.push_back(
+          fmt::format("no rung reaches {:g} % of {}; {}", 100.0 * m_section.tolerance, quantity,
+                      m_report.front.empty()
+                          ? std::string("none could be judged")
+                          : fmt::format("the best is {} with {:.2g} %", m_report.rungs[m_report.front.back()].name,
+                                        100.0 * errors[m_report.front.back()])));
+      return;
+    }
+    const JudgedRung& best = m_report.rungs[*good];
+    m_report.advice.push_back(fmt::format("for {:g} % of {}: {}, {:.3g} s of CPU (error {:.2g} %)",
+                                          100.0 * m_section.tolerance, quantity, best.name, best.cpu_seconds,
+                                          100.0 * errors[*good]));
+    const StudyRow& base = m_rows[m_plan.base];
+    if (base.outcome == StudyOutcome::done && best.cpu_seconds > 0.0)
+      m_report.advice.push_back(fmt::format("the shot as it is takes {:.3g} s, {:.2g} times as much", base.cpu_seconds,
+                                            base.cpu_seconds / best.cpu_seconds));
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const bool close =
+          i != *good && errors[i] <= m_section.tolerance && times[i] < times[*good] * (1.0 + TIMING_NOISE);
+      if (close)
+        m_report.advice.push_back(fmt::format("{} is as fast within the {:g} % that timings vary by",
+                                              m_report.rungs[i].name, 100.0 * TIMING_NOISE));
+    }
+  }
+
+  const shots::AccuracySection& m_section;
+  const AccuracyStudy& m_plan;
+  const std::vector<StudyRow>& m_rows;
+  AccuracyReport m_report;
+};
+
+} // namespace
+
+AccuracyReport judge_accuracy(const shots::AccuracySection& section, const AccuracyStudy& plan,
+                              const std::vector<StudyRow>& rows) {
+  return Judge(section, plan, rows).judge();
+}
+
+} // namespace wry::pipeline

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipeline/report/heat_map.h"
+#include "pipeline/study/study.h"
+#include "shots/ladders.h"
+
+namespace wry::pipeline {
+
+/// One case: a knob at a value, or two knobs at theirs.
+struct StressCase {
+  std::vector<std::size_t> knobs;  ///< one or two
+  std::vector<std::size_t> values; ///< of each
+  std::size_t row = 0;             ///< of the study
+};
+
+struct StressStudy {
+  std::vector<shots::Ladder> knobs;
+  std::vector<Variant> variants;
+  std::vector<StressCase> cases;
+  std::size_t base = 0; ///< the shot as it is
+};
+
+/// Every value of every knob alone, and (with pairs) the two ends of every two knobs together.
+StressStudy plan_stress_study(const shots::StressSection& section, const shots::Shot& shot);
+
+/// The knobs that a shot has: stiffness, Poisson's ratio, couple modulus, length scale and density of its materials,
+/// friction, time step, gravity, resolution, each at decades around what the shot says, or at the ends of what is
+/// allowed and beyond.
+std::vector<shots::Ladder> knobs_of(const shots::Shot& shot);
+
+/// What came of a case.
+struct StressFinding {
+  MapMark mark = MapMark::none;
+  double slower = 0.0; ///< steps, as a multiple of the shot as it is
+  double cuts = 0.0;
+  double energy_growth = 0.0; ///< of the total energy over its largest part; positive: it grew
+  double least_distance = 0.0;
+  std::string message; ///< of a refusal or failure
+};
+
+struct StressReport {
+  std::vector<StressFinding> findings; ///< per case
+  std::vector<std::string> safe;       ///< "material.skin.youngs_modulus: holds from 1e2 to 1e8 (the shot: 5e4)"
+  std::size_t failures = 0;            ///< cases that failed ungracefully
+};
+
+StressReport judge_stress(const StressStudy& study, const std::vector<StudyRow>& rows);
+
+std::string stress_csv(const StressStudy& study, const std::vector<StudyRow>& rows, const StressReport& report);
+/// Knobs down, their values across.
+MapPlot stress_map(const StressStudy& study, const StressReport& report, const std::string& shot);
+/// Knob against knob, a cell for the four combinations of their ends: the worst of them.
+MapPlot stress_pairs_map(const StressStudy& study, const StressReport& report, const std::string& shot);
+
+} // namespace wry::pipeline

@@ -1,0 +1,78 @@
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pipeline/assets/point_cache.h"
+#include "tests/pipeline/cache_support.h"
+
+namespace wry::pipeline {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+template <class T> void append(std::string& bytes, T value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+/// Two samples of three points: the second one unit further along x.
+std::string two_samples() {
+  std::string bytes("POINTCACHE2\0", 12);
+  append(bytes, std::int32_t{1});
+  append(bytes, std::int32_t{3});
+  append(bytes, 10.f);
+  append(bytes, 2.f);
+  append(bytes, std::int32_t{2});
+  for (int sample = 0; sample < 2; ++sample) {
+    for (int i = 0; i < 9; ++i)
+      append(bytes, static_cast<float>(i + (i % 3 == 0 ? sample : 0)));
+  }
+  return bytes;
+}
+
+class PointCache : public ::testing::Test {
+protected:
+  Result<DeformingSurface> read(const std::string& bytes, int vertices = 3) const {
+    std::ofstream(m_folder.path() / "a.pc2", std::ios::binary) << bytes;
+    geometry::SurfaceMesh mesh;
+    mesh.vertices = Points::Zero(vertices, 3);
+    mesh.triangles = Triangles::Zero(1, 3);
+    return read_point_cache(m_folder.path() / "a.pc2", mesh, 0.01);
+  }
+  TemporaryFolder m_folder;
+};
+
+TEST_F(PointCache, MovesStraightBetweenSamplesAndStandsStillOutside) {
+  const Result<DeformingSurface> surface = read(two_samples());
+  ASSERT_TRUE(surface.ok()) << surface.error().message;
+  EXPECT_DOUBLE_EQ(surface->at(10.0)(1, 0), 0.03);
+  EXPECT_DOUBLE_EQ(surface->at(11.0)(1, 0), 0.035) << "half way, two frames to a sample";
+  EXPECT_DOUBLE_EQ(surface->at(12.0)(1, 0), 0.04);
+  EXPECT_DOUBLE_EQ(surface->at(-5.0)(1, 0), 0.03);
+  EXPECT_DOUBLE_EQ(surface->at(99.0)(1, 0), 0.04);
+  EXPECT_DOUBLE_EQ(surface->at(11.0)(2, 2), 0.08);
+}
+
+TEST_F(PointCache, HeadersThatDoNotFitAreRefused) {
+  EXPECT_THAT(read(two_samples(), 4).error().message, HasSubstr("moves 3 points, the mesh has 4"));
+  std::string bytes = two_samples();
+  const std::int32_t many = std::numeric_limits<std::int32_t>::max();
+  std::memcpy(bytes.data() + 28, &many, 4);
+  EXPECT_THAT(read(bytes).error().message, HasSubstr("samples"));
+  EXPECT_FALSE(read(two_samples().substr(0, 60)).ok());
+  EXPECT_FALSE(read("POINTCACHE").ok());
+  bytes = two_samples();
+  const float nan = std::nanf("");
+  std::memcpy(bytes.data() + 32, &nan, 4);
+  EXPECT_THAT(read(bytes).error().message, HasSubstr("sample 0, point 0"));
+  bytes = two_samples();
+  std::memcpy(bytes.data() + 24, &nan, 4);
+  EXPECT_FALSE(read(bytes).ok());
+}
+
+} // namespace
+} // namespace wry::pipeline
