@@ -59,11 +59,12 @@ Status SubjectBounds::include(const SceneStatic& scene, const Frame& frame) {
         return good.error();
       continue;
     }
+    if (scene.bodies[b].triangles.rows() == 0) // nothing of it is drawn, as of particles that carry grains
+      continue;
     const Result<Points> positions = world_positions(scene.bodies[b], frame.bodies[b], frame.number);
     if (!positions.ok())
       return positions.error();
-    if (scene.bodies[b].triangles.rows() > 0)
-      include(*positions);
+    include(*positions);
   }
   return {};
 }
