@@ -5,6 +5,7 @@
 #include "render/burial.h"
 #include "render/drawable_scene.h"
 #include "render/grain_shapes.h"
+#include "render/subject_bounds.h"
 #include "tests/render/shapes_support.h"
 
 namespace wry::render {
@@ -130,6 +131,24 @@ TEST(Burial, LeavesOutTheInsideOfAHeapAndNothingOfALooseCloud) {
   for (double& x : scene.frame.bodies[0].channels[0].values)
     x *= 4.0; // the same grains, 64 times looser
   EXPECT_EQ(exposed_grains(cloud_of(scene)).visible.size(), 60'000U);
+}
+
+TEST(Grains, ParticlesThatOnlyCarryThemDoNotCountAsSomethingDrawn) {
+  MeshScene scene = testing::heap(500, {GrainShape::rod, Vec3(1, 1, 6)}, "straw");
+  SubjectBounds alone;
+  ASSERT_TRUE(alone.include(scene.scene, scene.frame).ok());
+  // A body without triangles whose frame has places far away.
+  SceneBody carriers;
+  carriers.name = "carriers";
+  scene.scene.bodies.push_back(carriers);
+  FrameBody on_frame;
+  on_frame.name = "carriers";
+  on_frame.channels.push_back({"position", ChannelOn::particle, 3, ChannelStorage::float64, {50, 60, 70, 80, 90, 99}});
+  scene.frame.bodies.push_back(on_frame);
+  SubjectBounds both;
+  const Status status = both.include(scene.scene, scene.frame);
+  ASSERT_TRUE(status.ok()) << status.error().message;
+  EXPECT_EQ(alone.centre(), both.centre());
 }
 
 TEST(Grains, VaryFromGrainToGrainButNotFromFrameToFrame) {
