@@ -25,8 +25,8 @@ public:
 
   /// The nodes' stored rotations, which the owner keeps in place; unused by classic models.
   virtual void bind_rotations(const Quaternions* rotations) = 0;
-  /// Where the unknowns of nodes stand; must be called once before derivatives.
-  virtual void bind_layout(const DofLayout& layout, const BlockMatrix& matrix) = 0;
+  /// Where the unknowns of nodes stand and what nodes weigh; must be called once before derivatives.
+  virtual void bind_model(const FemModel& model, const BlockMatrix& matrix) = 0;
   /// The batches of linear tets with the full quadrature; nullptr: the elements are of another kind.
   virtual const ElementGroup* tet_group() const { return nullptr; }
   /// Makes the rotations of the quadrature points anew from those of the nodes; only of linear tets.

@@ -73,8 +73,13 @@ void ElementTerm::colour_chunks() {
   }
 }
 
-void ElementTerm::bind_layout(const DofLayout& layout, const BlockMatrix& matrix) {
-  m_layout = &layout;
+void ElementTerm::bind_model(const FemModel& model, const BlockMatrix& matrix) {
+  m_layout = &model.layout;
+  for (int element = 0; element < m_group.element_count; ++element) {
+    for (int k = 0; k < 4; ++k)
+      m_inertia.add_corner(node_of(m_group, element / LANES, k, element % LANES), element_volume(element));
+  }
+  m_inertia.finish(model.mass);
   m_block_numbers.assign(static_cast<std::size_t>(m_group.batch_count) * 10 * LANES, 0);
   const int first_node = m_group.nodes.front();
   for (std::size_t i = 0; i < matrix.sections().size(); ++i) {
@@ -205,8 +210,15 @@ int ElementTerm::add_hessian(const Stage& stage, const Trial& trial, Projection 
     BatchDerivatives out;
     for (int batch = m_chunks[index].begin; batch < m_chunks[index].end; ++batch) {
       m_kernel.hessian(m_group, fields, batch, out);
-      for (int lane = 0; projection == Projection::indefinite_elements && lane < lanes_of(batch); ++lane)
-        projected[index] += classic ? project_element<3>(out.hessian, lane) : project_element<6>(out.hessian, lane);
+      for (int lane = 0; is_of_elements(projection) && lane < lanes_of(batch); ++lane) {
+        std::array<double, 4> inertia;
+        for (int k = 0; k < 4; ++k)
+          inertia[static_cast<std::size_t>(k)] =
+              m_inertia.at(node_of(m_group, batch, k, lane),
+                           m_group.volume[static_cast<std::size_t>(batch) * LANES + lane], stage, projection);
+        projected[index] +=
+            classic ? project_element<3>(out.hessian, lane, inertia) : project_element<6>(out.hessian, lane, inertia);
+      }
       if (classic)
         scatter_hessian<3>(batch, out, scale, values);
       else

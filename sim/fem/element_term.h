@@ -7,6 +7,7 @@
 
 #include "sim/fem/body_elements.h"
 #include "sim/fem/element_kernels.h"
+#include "sim/fem/inertia_shares.h"
 
 namespace wry::fem {
 
@@ -28,7 +29,7 @@ public:
   bool has_curvature() const override { return m_group.curvature != CurvatureModel::none; }
   std::span<double> point_rotations() override { return m_group.point_rotations; }
   void bind_rotations(const Quaternions* rotations) override { m_rotations = rotations; }
-  void bind_layout(const DofLayout& layout, const BlockMatrix& matrix) override;
+  void bind_model(const FemModel& model, const BlockMatrix& matrix) override;
   void update_rest_curvature(double time) override;
   const ElementGroup* tet_group() const override { return &m_group; }
 
@@ -70,6 +71,7 @@ private:
   const Threads& m_threads;
   const Quaternions* m_rotations = nullptr;
   const DofLayout* m_layout = nullptr;
+  InertiaShares m_inertia;
   std::vector<Chunk> m_chunks;
   std::vector<std::vector<int>> m_colours;   ///< chunk numbers
   std::vector<std::int32_t> m_block_numbers; ///< batch-major, 10 per element, lanes innermost

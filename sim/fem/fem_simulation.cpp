@@ -138,7 +138,7 @@ void Simulation::make_terms() {
     m_node_terms.push_back(std::move(term));
   }
   for (const std::unique_ptr<BodyElements>& elements : m_scene.elements) {
-    elements->bind_layout(m_scene.model.layout, *m_matrix);
+    elements->bind_model(m_scene.model, *m_matrix);
     elements->bind_rotations(&m_state.rotations);
     elements->update_rest_curvature(m_state.time);
     m_terms.push_back(elements.get());

@@ -29,20 +29,25 @@ template <class Body> void for_each_block(const MixedKernel& kernel, MixedDeriva
 
 } // namespace
 
-bool project_mixed(const MixedKernel& kernel, MixedDerivatives& derivatives, int lane) {
+bool project_mixed(const MixedKernel& kernel, MixedDerivatives& derivatives, int lane,
+                   std::span<const double> inertia) {
   const Eigen::Index size = 3 * (kernel.nodes + kernel.corners);
   Eigen::MatrixXd element(size, size);
   for_each_block(kernel, derivatives, [&](const double* block, Eigen::Index row, Eigen::Index column) {
     for (Eigen::Index i = 0; i < 9; ++i)
       element(row + i / 3, column + i % 3) = element(column + i % 3, row + i / 3) = block[i * LANES + lane];
   });
+  for (std::size_t k = 0; k < inertia.size(); ++k)
+    element.diagonal().segment<3>(3 * static_cast<Eigen::Index>(k)).array() += inertia[k];
   Eigen::MatrixXd shifted = element;
   shifted.diagonal().array() += ROUND_OFF * element.diagonal().cwiseAbs().maxCoeff();
   if (Eigen::LLT<Eigen::MatrixXd>(shifted).info() == Eigen::Success)
     return false;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(element);
-  const Eigen::MatrixXd clamped =
+  Eigen::MatrixXd clamped =
       eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
+  for (std::size_t k = 0; k < inertia.size(); ++k)
+    clamped.diagonal().segment<3>(3 * static_cast<Eigen::Index>(k)).array() -= inertia[k];
   for_each_block(kernel, derivatives, [&](double* block, Eigen::Index row, Eigen::Index column) {
     for (Eigen::Index i = 0; i < 9; ++i)
       block[i * LANES + lane] = clamped(row + i / 3, column + i % 3);
@@ -104,8 +109,13 @@ void MixedTerm::colour_batches() {
   }
 }
 
-void MixedTerm::bind_layout(const DofLayout& layout, const BlockMatrix& matrix) {
-  m_layout = &layout;
+void MixedTerm::bind_model(const FemModel& model, const BlockMatrix& matrix) {
+  m_layout = &model.layout;
+  for (int element = 0; element < m_group.element_count; ++element) {
+    for (int k = 0; k < m_group.kernel->nodes; ++k)
+      m_inertia.add_corner(m_group.node(element, k), element_volume(element));
+  }
+  m_inertia.finish(model.mass);
   const int first_node = m_group.nodes.front();
   for (std::size_t i = 0; i < matrix.sections().size(); ++i) {
     const NodeSection& nodes = matrix.sections()[i].nodes;
@@ -264,8 +274,15 @@ int MixedTerm::add_hessian(const Stage& stage, const Trial& trial, Projection pr
   for_each_batch([&](int batch) {
     MixedDerivatives out;
     m_group.kernel->hessian(m_group.batch(batch), fields, out);
-    for (int lane = 0; projection == Projection::indefinite_elements && lane < lanes_of(batch); ++lane)
-      projected[static_cast<std::size_t>(batch)] += project_mixed(*m_group.kernel, out, lane);
+    for (int lane = 0; is_of_elements(projection) && lane < lanes_of(batch); ++lane) {
+      const int element = batch * LANES + lane;
+      std::array<double, MIXED_NODES> inertia;
+      for (int k = 0; k < m_group.kernel->nodes; ++k)
+        inertia[static_cast<std::size_t>(k)] =
+            m_inertia.at(m_group.node(element, k), element_volume(element), stage, projection);
+      projected[static_cast<std::size_t>(batch)] +=
+          project_mixed(*m_group.kernel, out, lane, {inertia.data(), static_cast<std::size_t>(m_group.kernel->nodes)});
+    }
     scatter_hessian(batch, out, stage.beta * stage.beta, values);
   });
   int sum = 0;

@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "sim/fem/body_elements.h"
+#include "sim/fem/inertia_shares.h"
 #include "sim/fem/mixed_group.h"
 
 namespace wry::fem {
@@ -21,7 +22,7 @@ public:
   bool has_curvature() const override { return m_group.curvature != MixedCurvature::none; }
   std::span<double> point_rotations() override { return m_group.point_rotations; }
   void bind_rotations(const Quaternions* rotations) override { m_rotations = rotations; }
-  void bind_layout(const DofLayout& layout, const BlockMatrix& matrix) override;
+  void bind_model(const FemModel& model, const BlockMatrix& matrix) override;
   void update_rest_curvature(double time) override;
   void freeze_rest_curvature() override { m_rest_curvature_moves = false; }
 
@@ -61,12 +62,13 @@ private:
   const Threads& m_threads;
   const Quaternions* m_rotations = nullptr;
   const DofLayout* m_layout = nullptr;
+  InertiaShares m_inertia;
   std::vector<std::vector<int>> m_colours; ///< batches that share no node
   std::vector<Place> m_places;             ///< per element and pair of its nodes
   int m_section = 0;
 };
 
 /// Clamps the eigenvalues of one lane's element Hessian to be not negative. Returns whether it had to.
-bool project_mixed(const MixedKernel& kernel, MixedDerivatives& derivatives, int lane);
+bool project_mixed(const MixedKernel& kernel, MixedDerivatives& derivatives, int lane, std::span<const double> inertia);
 
 } // namespace wry::fem

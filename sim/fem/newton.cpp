@@ -11,8 +11,15 @@ namespace wry::fem {
 
 namespace {
 
-/// Relative residual below which a direction that met negative curvature is taken as it is.
+/// Relative residual below which a direction that met negative curvature is good enough.
 constexpr double TRUNCATED_RESIDUAL = 0.3;
+/// Directions along negative curvature in a row before elements are projected.
+constexpr int MAX_RIDGES_IN_ROW = 5;
+constexpr int MAX_DOUBLINGS = 10;
+/// A line is followed further while its slope is steeper than this share of what it was.
+constexpr double STILL_STEEP = 0.4;
+/// Iterations for which friction is bounded, at most, each time Newton leaps to and fro.
+constexpr int MAX_PATIENCE = 3;
 constexpr double ARMIJO = 1e-4;
 constexpr int MAX_HALVINGS = 50;
 /// Relative to the sum of the absolute terms: energy changes below this are round-off and decide nothing.
@@ -206,8 +213,12 @@ private:
     const LinearProblem linear{m_problem.matrix, m_right_side, linear_tolerance(), rotations};
     const SolveReport report = m_problem.linear.solve(linear, m_direction);
     m_report.linear_iterations += report.iterations;
-    // A truncated direction that is good enough spares the projection (Dembo and Steihaug 1983).
-    if (report.end == SolveEnd::indefinite && (m_direction.empty() || report.relative_residual > TRUNCATED_RESIDUAL))
+    // A direction that goes on along negative curvature spares the projection (Steihaug 1983). Far from a minimum,
+    // where it is met at once, projected elements lead further; once they have led to a ridge, they only creep along
+    // it.
+    m_over_ridge = report.end == SolveEnd::indefinite;
+    if (m_over_ridge && (m_direction.empty() || m_ridges_in_row >= MAX_RIDGES_IN_ROW ||
+                         (report.relative_residual > TRUNCATED_RESIDUAL && !m_projected_before)))
       return false;
     m_slope = 0.0;
     for (std::size_t i = 0; i < m_direction.size(); ++i)
@@ -219,20 +230,23 @@ private:
     if (m_report.iterations == 0)
       m_first_residual = m_now.residual;
     m_right_side.resize(m_now.gradient.size());
-    Projection projection = m_keep_projecting ? Projection::indefinite_elements : Projection::contacts;
-    for (double shift = 0.0; shift < 1.0; shift = std::max(1e-6, 100.0 * shift)) {
+    m_projected_before = m_projected;
+    for (EnergyTerm* term : m_problem.terms)
+      term->bound_friction(m_bound_friction_for > 0);
+    for (const Projection projection :
+         {Projection::contacts, Projection::elements_with_inertia, Projection::elements}) {
+      if (projection == Projection::contacts && m_keep_projecting)
+        continue;
+      m_projected = projection != Projection::contacts;
       assemble(projection);
-      if (shift > 0.0)
-        add_shift(shift);
       if (solve())
         return true;
-      if (projection == Projection::contacts) {
-        projection = Projection::indefinite_elements;
-        m_keep_projecting = true;
-        assemble(projection);
-        if (solve())
-          return true;
-      }
+    }
+    for (double shift = 1e-6; shift < 1.0; shift *= 100.0) {
+      assemble(Projection::elements);
+      add_shift(shift);
+      if (solve())
+        return true;
     }
     return false;
   }
@@ -287,6 +301,44 @@ private:
     return hidden && m_tried.residual <= m_now.residual;
   }
 
+  /// Bounds friction when Newton leaps to and fro between sticking and sliding, longer each time it happens.
+  void watch_friction(int halvings) {
+    if (m_bound_friction_for > 0) {
+      --m_bound_friction_for;
+    } else if (halvings > 0 || m_tried.residual > m_now.residual) {
+      m_bound_friction_for = m_patience;
+      m_patience = std::min(2 * m_patience, MAX_PATIENCE);
+    }
+  }
+
+  /// Goes on as long as it goes down: where the energy is not convex, the length of a direction means little.
+  void lengthen() {
+    double fraction = 1.0;
+    for (int doublings = 0; doublings < MAX_DOUBLINGS; ++doublings) {
+      double slope = 0.0;
+      for (std::size_t i = 0; i < m_direction.size(); ++i)
+        slope += m_direction[i] * m_tried.gradient[i];
+      if (!(slope < STILL_STEEP * m_slope))
+        return;
+      fraction *= 2.0;
+      m_position_change *= 2.0;
+      for (const EnergyTerm* term : m_problem.terms) {
+        if (term->step_limit(m_trial, m_position_change) < 1.0)
+          return;
+      }
+      std::swap(m_next, m_shorter);
+      std::swap(m_tried, m_tried_shorter);
+      m_next = m_shorter;
+      move(fraction);
+      evaluate(m_next, m_tried);
+      if (!std::isfinite(m_tried.residual) || !(m_tried.energy < m_tried_shorter.energy)) {
+        std::swap(m_next, m_shorter);
+        std::swap(m_tried, m_tried_shorter);
+        return;
+      }
+    }
+  }
+
   bool search_line() {
     const double limit = step_limit();
     double fraction = limit;
@@ -294,7 +346,12 @@ private:
       move(fraction);
       evaluate(m_next, m_tried);
       if (acceptable(fraction)) {
-        m_keep_projecting = m_keep_projecting && halvings > 0;
+        const bool shapeless = m_over_ridge || m_projected;
+        if (shapeless && halvings == 0 && limit >= 1.0)
+          lengthen();
+        m_keep_projecting = m_projected && halvings > 0;
+        m_ridges_in_row = m_over_ridge ? m_ridges_in_row + 1 : 0;
+        watch_friction(halvings);
         std::swap(m_trial, m_next);
         std::swap(m_now, m_tried);
         m_previous_residual = m_tried.residual;
@@ -312,14 +369,21 @@ private:
   const Stage& m_stage;
   Trial& m_trial;
   Trial m_next;
-  Evaluation m_now, m_tried;
+  Trial m_shorter;
+  Evaluation m_now, m_tried, m_tried_shorter;
   std::vector<double> m_right_side, m_direction, m_diagonal;
   Points m_position_change;
   double m_slope = 0.0;
   double m_first_residual = 0.0;
   double m_previous_residual = 0.0;
+  bool m_projected = false; ///< the last direction came from projected elements
   bool m_keep_projecting = false;
-  double m_left = 1.0; ///< of the way of what is prescribed
+  bool m_projected_before = false; ///< so did the one before
+  bool m_over_ridge = false;       ///< the direction follows negative curvature
+  int m_ridges_in_row = 0;
+  int m_bound_friction_for = 0; ///< iterations
+  int m_patience = 1;           ///< iterations for which friction will be bounded the next time
+  double m_left = 1.0;          ///< of the way of what is prescribed
   NewtonReport m_report;
 };
 

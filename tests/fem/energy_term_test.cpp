@@ -152,6 +152,52 @@ INSTANTIATE_TEST_SUITE_P(Table, EveryEnergyTerm, ::testing::Range<std::size_t>(0
                            return std::string(energy_term_table()[tested.param].name);
                          });
 
+void expect_bound_above(const EnergyTermEntry& entry) {
+  Walk walk;
+  const std::unique_ptr<EnergyTerm> term = entry.make(walk.model, walk.contact);
+  term->begin_step(walk.stage, walk.stage.start_positions);
+  term->begin_solve(walk.stage, walk.trial);
+  term->bound_friction(true);
+  const std::size_t size = walk.model.layout.dof_count();
+  std::vector<double> gradient(size, 0.0);
+  const double energy = term->add_gradient(walk.stage, walk.trial, gradient);
+  term->add_hessian(walk.stage, walk.trial, Projection::none, *walk.matrix);
+  walk.matrix->finish_pairs();
+  double closest = 1.0;
+  for (const double length : {1e-3, 0.1, 1.0, 30.0}) {
+    for (int phase = 0; phase < 8; ++phase) {
+      Walk other;
+      std::vector<double> way(size, 0.0);
+      for (std::size_t dof = 0; dof < size; ++dof) {
+        way[dof] = length * std::sin(phase + 2.3 * static_cast<double>(dof));
+        other.shift(static_cast<int>(dof), way[dof]);
+      }
+      AlignedVector<double> in;
+      AlignedVector<double> out(walk.model.layout.padded_count());
+      pad(walk.model.layout, way, in);
+      const double curvature = walk.matrix->multiply(in, out, Threads(1));
+      double bound = energy + 0.5 * curvature;
+      for (std::size_t dof = 0; dof < size; ++dof)
+        bound += gradient[dof] * way[dof];
+      const double there = term->energy(walk.stage, other.trial);
+      EXPECT_LE(there, bound + 1e-12 * std::abs(bound)) << length << " " << phase;
+      closest = std::min(closest, (bound - there) / std::abs(bound));
+    }
+  }
+  EXPECT_LT(closest, 1e-4) << "the bound touches the energy where it was made";
+}
+
+TEST(Friction, LiesBelowItsBoundEverywhere) {
+  int terms = 0;
+  for (const EnergyTermEntry& entry : energy_term_table()) {
+    if (entry.name.find("friction") == std::string_view::npos)
+      continue;
+    expect_bound_above(entry);
+    ++terms;
+  }
+  EXPECT_EQ(terms, 2);
+}
+
 TEST(Barrier, PushesApartInsideDhatAndNowhereElse) {
   EXPECT_EQ(evaluate_barrier(0.1, 0.1, 5.0).value, 0.0);
   EXPECT_EQ(evaluate_barrier(0.2, 0.1, 5.0).slope, 0.0);

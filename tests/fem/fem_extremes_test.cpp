@@ -134,5 +134,31 @@ TEST(FemExtremes, ExtentsOfAnySizeFallAlike) {
   }
 }
 
+/// A straight strut between two clamps that come nearer, pushed aside by next to nothing: the straight state is a
+/// saddle of the incremental potential, along which projected Newton directions only creep.
+TEST(FemExtremes, AStrutLeavesTheRidgeItIsPressedOnto) {
+  for (const ElasticModel model : {ElasticModel::neo_hookean, ElasticModel::micropolar}) {
+    const std::shared_ptr<const geometry::TetMesh> mesh = box_mesh(Vec3::Zero(), Vec3(0.02, 1.0, 0.02), 1, 40, 1);
+    FemPlan plan = plan_of(make_body(mesh, model, 2e5, 0.3));
+    plan.gravity = Vec3(1e-6, 0, 0);
+    plan.fixed.push_back({"foot", 0, vertices_at(*mesh, 1, 0.0), true, true, {}});
+    DrivenNodes drive;
+    drive.name = "press";
+    drive.nodes = vertices_at(*mesh, 1, 1.0);
+    drive.motion =
+        scene::Motion::along_keys(
+            {{{0.0, Vec3::Zero(), Vec3::UnitX(), 0.0}, {5.0, Vec3(0, -0.05, 0), Vec3::UnitX(), 0.0}}, Vec3::Zero()})
+            .value();
+    plan.driven.push_back(drive);
+    plan.settings.max_time_step = 2.0;
+    const std::unique_ptr<FemSimulation> simulation = simulate(plan);
+    const Result<StepStats> stats = simulation->step(2.0);
+    ASSERT_TRUE(stats) << stats.error().message;
+    EXPECT_EQ(stats->cuts, 0);
+    EXPECT_LT(stats->newton_iterations, 30);
+    EXPECT_GT(positions_of(*simulation).col(0).maxCoeff(), 0.05) << "it is still straight";
+  }
+}
+
 } // namespace
 } // namespace wry::fem

@@ -184,5 +184,34 @@ TEST_P(EveryLinearMethod, NoticesThatAMatrixIsIndefinite) {
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryLinearMethod, ::testing::ValuesIn(solvers_of_this_build()));
 
+TEST(BlockJacobiPcg, GoesOnDownhillAlongNegativeCurvature) {
+  System system(native_isa());
+  // One node's block, and two unknowns of another, turned round.
+  BlockMatrix::Section& section = system.matrix->sections()[1];
+  for (const int node : {40, 300}) {
+    double* block = section.values.data() + section.row_begin[node] * 36;
+    for (int i = 0; i < (node == 40 ? 6 : 2); ++i)
+      block[7 * i] = -20.0;
+  }
+  system.matrix->update_single(Threads(1));
+  const Threads threads(1);
+  const std::unique_ptr<LinearMethod> method = make_block_jacobi_pcg(*system.matrix, threads);
+  const std::vector<Mat3> turns(2 * System::NODES, Mat3::Identity());
+  const std::function<const std::vector<Mat3>&()> rotations = [&]() -> const std::vector<Mat3>& { return turns; };
+  std::vector<double> x;
+  const SolveReport report = method->solve({*system.matrix, system.right_side, 1e-8, rotations}, x);
+  EXPECT_EQ(report.end, SolveEnd::indefinite);
+  ASSERT_EQ(x.size(), system.right_side.size());
+  const std::vector<double> Ax = system.times(x);
+  double slope = 0.0;
+  double curvature = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    slope -= system.right_side[i] * x[i];
+    curvature += x[i] * Ax[i];
+  }
+  EXPECT_LT(slope, 0.0);
+  EXPECT_LT(slope + 0.5 * curvature, 0.0);
+}
+
 } // namespace
 } // namespace wry::fem

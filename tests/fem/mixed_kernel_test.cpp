@@ -288,7 +288,7 @@ TEST(MixedKernels, ProjectionLeavesNoNegativeEigenvalue) {
     const Sample sample = random_sample(c, native_isa(), 8, 5u);
     const Evaluation at = evaluate(sample, 0, sample.group.kernel->hessian);
     for (int lane = 0; lane < LANES; ++lane) {
-      changed += project_mixed(*sample.group.kernel, *at, lane);
+      changed += project_mixed(*sample.group.kernel, *at, lane, {});
       const Eigen::MatrixXd projected = hessian_of(sample, *at, lane);
       const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(projected, Eigen::EigenvaluesOnly);
       EXPECT_GE(eigen.eigenvalues()[0], -2e-8 * eigen.eigenvalues().maxCoeff()) << c.name();

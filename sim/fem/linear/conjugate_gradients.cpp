@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 namespace wry::fem {
 
@@ -11,14 +13,25 @@ namespace {
 
 constexpr std::size_t NODE_GRAIN = 2048;
 constexpr std::size_t ENTRY_GRAIN = 16384;
+/// How far a direction of negative curvature is followed, in lengths of the solution so far.
+constexpr double LONGEST_OVER_RIDGE = 3.0;
 
 template <class Scalar, int D, int STRIDE> bool invert_block(const double* block, Scalar* inverse) {
   using Block = Eigen::Matrix<double, D, D, Eigen::RowMajor>;
   const Eigen::Map<const Block> values(block);
-  const Eigen::LLT<Block> factor(values);
-  if (factor.info() != Eigen::Success || !values.allFinite())
+  if (!values.allFinite())
     return false;
-  const Block result = factor.solve(Block::Identity());
+  Block result;
+  if (const Eigen::LLT<Block> factor(values); factor.info() == Eigen::Success) {
+    result = factor.solve(Block::Identity());
+  } else { // the matrix is indefinite, but what preconditions it must not be
+    const Eigen::SelfAdjointEigenSolver<Block> eigen(values);
+    const double least = std::numeric_limits<double>::epsilon() * values.norm();
+    if (!(least > 0.0))
+      return false;
+    result = eigen.eigenvectors() * eigen.eigenvalues().cwiseAbs().cwiseMax(least).cwiseInverse().asDiagonal() *
+             eigen.eigenvectors().transpose();
+  }
   for (int column = 0; column < D; ++column) {
     for (int row = 0; row < STRIDE; ++row)
       inverse[column * STRIDE + row] = row < D ? static_cast<Scalar>(result(row, column)) : Scalar(0);
@@ -64,6 +77,20 @@ void turn_direction(ConjugateGradientVectors<Scalar>& work, Scalar beta, const T
     for (std::size_t i = begin; i < end; ++i)
       p[i] = z[i] + beta * p[i];
   });
+}
+
+/// Adds to x a way along p, which leads down on both sides of a ridge: as far as if the curvature were positive, but
+/// not beyond all that came before.
+template <class Scalar>
+void follow_negative_curvature(ConjugateGradientVectors<Scalar>& work, double rz, double curvature,
+                               const Threads& threads) {
+  double step = rz / -curvature;
+  const double before = std::sqrt(squared_norm(work.x, threads));
+  const double length = step * std::sqrt(squared_norm(work.p, threads));
+  if (before > 0.0 && length > LONGEST_OVER_RIDGE * before)
+    step *= LONGEST_OVER_RIDGE * before / length;
+  for (std::size_t i = 0; i < work.x.size(); ++i)
+    work.x[i] += static_cast<Scalar>(step) * work.p[i];
 }
 
 } // namespace
@@ -170,6 +197,8 @@ SolveReport conjugate_gradients(const BlockMatrix& matrix, const Preconditioner<
     const double curvature = matrix.multiply(work.p, work.q, threads);
     if (!(rz > 0.0) || !(curvature > 0.0) || !std::isfinite(curvature)) {
       report.end = SolveEnd::indefinite;
+      if (rz > 0.0 && curvature < 0.0 && std::isfinite(curvature))
+        follow_negative_curvature(work, rz, curvature, threads);
       break;
     }
     ++report.iterations;

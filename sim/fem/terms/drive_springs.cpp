@@ -75,7 +75,7 @@ public:
       // The second derivative along turns (spec §1): D^T K D - (a tau^T + tau a^T) / (4 n^2).
       const Mat3 K = 0.5 * pull.turning * (turn.Q.trace() * Mat3::Identity() - 0.5 * (turn.Q + turn.Q.transpose()));
       Mat3 second = turn.D.transpose() * K * turn.D;
-      if (projection != Projection::indefinite_elements) {
+      if (!is_of_elements(projection)) {
         const Vec3 tau = turn.D.transpose() * torque(pull, turn);
         second -= (turn.a * tau.transpose() + tau * turn.a.transpose()) / (4.0 + turn.a.squaredNorm());
       }

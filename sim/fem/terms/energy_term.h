@@ -13,10 +13,15 @@ namespace wry::fem {
 
 /// Which parts of a Hessian that are not positive semidefinite are made so.
 enum class Projection {
-  none,                ///< exact
-  contacts,            ///< those of contacts, which are cheap to project and rarely definite
-  indefinite_elements, ///< all
+  none,                  ///< exact
+  contacts,              ///< those of contacts, which are cheap to project and rarely definite
+  elements_with_inertia, ///< also elements that are indefinite even with half of their nodes' inertia
+  elements,              ///< all, each by itself
 };
+
+inline bool is_of_elements(Projection projection) {
+  return projection >= Projection::elements_with_inertia;
+}
 
 /// A part of the incremental potential, a function of the unknowns (v, omega) of all nodes. Terms may keep data that is
 /// frozen during a solve (lagged friction, the rest shape of the time), renewed by begin_solve only.
@@ -49,6 +54,10 @@ public:
   virtual double add_gradient(const Stage& stage, const Trial& trial, std::vector<double>& gradient) const = 0;
   /// Adds the second derivative; returns how many element Hessians had to be projected.
   virtual int add_hessian(const Stage& stage, const Trial& trial, Projection projection, BlockMatrix& matrix) const = 0;
+  /// While set, the second derivative of friction is replaced by one that bounds the energy from above: a direction
+  /// then does not leap over the kink between sticking and sliding, at the price of slower convergence near the
+  /// minimum.
+  virtual void bound_friction(bool on) { (void)on; }
   /// The largest fraction in (0, 1] of a change of positions that is sure to stay where the term is defined.
   virtual double step_limit(const Trial& trial, const Points& position_change) const {
     (void)trial;

@@ -244,6 +244,8 @@ public:
     m_first_pass = false;
   }
 
+  void bound_friction(bool on) override { m_bounded = on; }
+
   double energy(const Stage& stage, const Trial& trial) const override {
     double sum = 0.0;
     for (const Slider& slider : m_sliders)
@@ -271,7 +273,7 @@ public:
       const double length = slip.norm();
       const SmoothedSlip smoothed = evaluate_slip(length, smoothing(stage));
       Mat3 block = smoothed.slope_over_slip * (Mat3::Identity() - slider.normal * slider.normal.transpose());
-      if (length > 0.0) {
+      if (length > 0.0 && !m_bounded) {
         const Vec3 along = slip / length;
         block += (smoothed.second - smoothed.slope_over_slip) * (along * along.transpose());
       }
@@ -323,6 +325,7 @@ private:
   const FemModel& m_model;
   ContactSystem& m_system;
   std::vector<Slider> m_sliders;
+  bool m_bounded = false;
   bool m_first_pass = true;
 };
 

@@ -105,6 +105,8 @@ public:
     });
   }
 
+  void bound_friction(bool on) override { m_bounded = on; }
+
   double energy(const Stage& stage, const Trial& trial) const override {
     double sum = 0.0;
     for (const Slider& slider : m_sliders)
@@ -130,7 +132,7 @@ public:
       const double length = slip.norm();
       const SmoothedSlip smoothed = evaluate_slip(length, smoothing(stage));
       Mat3 block = smoothed.slope_over_slip * (Mat3::Identity() - slider.normal * slider.normal.transpose());
-      if (length > 0.0) {
+      if (length > 0.0 && !m_bounded) {
         const Vec3 along = slip / length;
         block += (smoothed.second - smoothed.slope_over_slip) * (along * along.transpose());
       }
@@ -157,6 +159,7 @@ private:
   const FemModel& m_model;
   const ContactState& m_contact;
   std::vector<Slider> m_sliders;
+  bool m_bounded = false;
 };
 
 } // namespace

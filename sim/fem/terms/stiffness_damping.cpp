@@ -34,7 +34,7 @@ public:
       Stage scaled;
       scaled.beta = std::sqrt(body.damping);
       scaled.time = stage.time;
-      body.elements->add_hessian(scaled, expected, Projection::indefinite_elements, *m_matrix);
+      body.elements->add_hessian(scaled, expected, Projection::elements, *m_matrix);
     }
   }
 
