@@ -5,9 +5,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <Eigen/QR>
 
 #include "sim/base/rotation.h"
 #include "sim/fem/rotation_interpolation.h"
@@ -207,45 +209,78 @@ double rotation_interpolation_error(const MeasurePlan& plan, const SceneBody& bo
 
 namespace {
 
-constexpr int SLICES = 24;
+constexpr int STATIONS = 13; ///< along the middle half
 
-/// The rigid placement of a slice: the rest axis' point in its middle, and how it is turned.
-struct Slice {
+/// Where a slender body is at a place along its rest axis, and how it is turned there.
+struct Station {
   Vec3 place = Vec3::Zero();
   Mat3 turn = Mat3::Identity();
 };
 
-/// The slices of the middle half, in order along the longest side of the rest shape; empty when one has too few nodes.
-std::vector<Slice> slices_of(const SceneBody& body, const Rows& positions) {
-  const Points& rest = body.rest_positions;
-  const Vec3 low = rest.colwise().minCoeff(), high = rest.colwise().maxCoeff();
+/// The axis of the rest shape.
+struct RestAxis {
   int along = 0;
-  (high - low).maxCoeff(&along);
-  const double width = (high - low)[along] / SLICES;
-  std::vector<std::vector<Eigen::Index>> members(SLICES);
+  Vec3 low, high;
+  double length() const { return (high - low)[along]; }
+};
+
+RestAxis rest_axis_of(const Points& rest) {
+  RestAxis axis;
+  axis.low = rest.colwise().minCoeff();
+  axis.high = rest.colwise().maxCoeff();
+  (axis.high - axis.low).maxCoeff(&axis.along);
+  return axis;
+}
+
+/// The motion of the nodes within `reach` of `s`, fitted by an axis that is quadratic along the rod and cross-sections
+/// that turn linearly: what a rod bent and twisted at a constant rate is, but for terms of fourth order in the angle
+/// that the fit spans. Nothing when there are too few nodes to tell.
+std::optional<Station> station_at(const Points& rest, const Rows& positions, const RestAxis& axis, double s,
+                                  double reach) {
+  std::vector<Eigen::Index> nodes;
   for (Eigen::Index node = 0; node < rest.rows(); ++node) {
-    const int slice = static_cast<int>((rest(node, along) - low[along]) / width);
-    members[static_cast<std::size_t>(std::clamp(slice, 0, SLICES - 1))].push_back(node);
+    if (std::abs(rest(node, axis.along) - s) <= reach)
+      nodes.push_back(node);
   }
-  std::vector<Slice> slices;
-  for (int i = SLICES / 4; i < 3 * SLICES / 4; ++i) {
-    const std::vector<Eigen::Index>& nodes = members[static_cast<std::size_t>(i)];
-    if (nodes.size() < 3)
+  constexpr int TERMS = 7;
+  if (nodes.size() < TERMS)
+    return std::nullopt;
+  const int second = (axis.along + 1) % 3, third = (axis.along + 2) % 3;
+  Eigen::MatrixXd terms(nodes.size(), TERMS), places(nodes.size(), 3);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const Vec3 from = rest.row(nodes[k]).transpose() - 0.5 * (axis.low + axis.high);
+    const double t = (rest(nodes[k], axis.along) - s) / reach;
+    const double y = from[second] / reach, z = from[third] / reach;
+    const auto row = static_cast<Eigen::Index>(k);
+    terms.row(row) << 1.0, t, t * t, y, z, t * y, t * z;
+    places.row(row) = Eigen::Map<const Eigen::RowVector3d>(positions.data + 3 * nodes[k]);
+  }
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(terms);
+  solver.setThreshold(1e-6);
+  if (solver.rank() < TERMS)
+    return std::nullopt;
+  const Eigen::MatrixXd fit = solver.solve(places);
+  Mat3 frame;
+  frame.col(axis.along) = fit.row(1);
+  frame.col(second) = fit.row(3);
+  frame.col(third) = fit.row(4);
+  return Station{fit.row(0), polar_rotation(frame / reach)};
+}
+
+/// Stations of the middle half in order; empty when the body has too few nodes along it.
+std::vector<Station> stations_of(const SceneBody& body, const Rows& positions) {
+  const RestAxis axis = rest_axis_of(body.rest_positions);
+  std::vector<Station> stations;
+  for (int i = 0; i < STATIONS; ++i) {
+    const double s = axis.low[axis.along] + (0.25 + 0.5 * i / (STATIONS - 1)) * axis.length();
+    std::optional<Station> station;
+    for (double reach = axis.length() / 48; !station && reach <= axis.length() / 6; reach *= 1.25)
+      station = station_at(body.rest_positions, positions, axis, s, reach);
+    if (!station)
       return {};
-    Eigen::Matrix3Xd before(3, nodes.size()), after(3, nodes.size());
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-      before.col(static_cast<Eigen::Index>(k)) = rest.row(nodes[k]);
-      after.col(static_cast<Eigen::Index>(k)) = Eigen::Map<const Vec3>(positions.data + 3 * nodes[k]);
-    }
-    const Eigen::Matrix4d rigid = Eigen::umeyama(before, after, false);
-    Vec3 middle = 0.5 * (low + high);
-    middle[along] = low[along] + (i + 0.5) * width;
-    Slice slice;
-    slice.turn = rigid.topLeftCorner<3, 3>();
-    slice.place = slice.turn * middle + rigid.topRightCorner<3, 1>();
-    slices.push_back(slice);
+    stations.push_back(*station);
   }
-  return slices;
+  return stations;
 }
 
 struct Helix {
@@ -256,18 +291,18 @@ Helix helix_of(const SceneBody& body, const FrameBody& frame) {
   const Rows positions = rows_of(frame, "position");
   if (positions.data == nullptr)
     return {};
-  const std::vector<Slice> slices = slices_of(body, positions);
-  if (slices.size() < 2)
+  const std::vector<Station> stations = stations_of(body, positions);
+  if (stations.empty())
     return {};
   Helix sum{0.0, 0.0};
-  for (std::size_t i = 0; i + 1 < slices.size(); ++i) {
-    const Eigen::AngleAxisd turn(Mat3(slices[i + 1].turn * slices[i].turn.transpose()));
-    const Vec3 way = slices[i + 1].place - slices[i].place;
+  for (std::size_t i = 0; i + 1 < stations.size(); ++i) {
+    const Eigen::AngleAxisd turn(Mat3(stations[i + 1].turn * stations[i].turn.transpose()));
+    const Vec3 way = stations[i + 1].place - stations[i].place;
     const double along = way.dot(turn.axis());
     sum.radius += (way - along * turn.axis()).norm() / (2.0 * std::sin(0.5 * turn.angle()));
     sum.pitch += std::abs(2.0 * std::numbers::pi * along / turn.angle());
   }
-  const auto count = static_cast<double>(slices.size() - 1);
+  const auto count = static_cast<double>(stations.size() - 1);
   return {sum.radius / count, sum.pitch / count};
 }
 

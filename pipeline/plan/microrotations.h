@@ -17,7 +17,7 @@ struct MicrorotationChoice {
 /// strain energy of the deformation there. For couple_modulus_ratio >= 1 the minimiser is the rotation of the matter
 /// (Fischle and Neff 2017), and what is left is the corotated model. With a Poisson's ratio above 0 that holds only
 /// while the stretches sum to less than 3 + 2 mu / lambda, so that `auto` condenses only where the ratio is not above
-/// 0, and only where nothing reads or drives microrotations.
+/// 0, and only where no view or measure reads microrotations and no drive or load turns them.
 MicrorotationChoice choose_microrotations(const shots::Shot& shot, const shots::Body& body,
                                           const shots::Material& material);
 

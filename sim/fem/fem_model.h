@@ -84,9 +84,10 @@ struct ContactState {
 /// increment. Methods of second order turn the stored rotations ahead to where they are expected; increments then
 /// count from there.
 struct Stage {
-  double beta = 0.0; ///< [s]
-  double dt = 0.0;   ///< of the whole step [s]
-  double time = 0.0; ///< at which the stage's state holds [s]
+  double beta = 0.0;       ///< [s]
+  double dt = 0.0;         ///< of the whole step [s]
+  double time = 0.0;       ///< at which the stage's state holds [s]
+  double start_time = 0.0; ///< of the step: what moves by itself sets out from where it was then [s]
   /// Rotation vectors instead of Cayley's increments (rotation_update.h); base_increments are empty then.
   bool exponential = false;
   Points base_positions;

@@ -28,6 +28,7 @@ PlannedStage TimeIntegrator::backward_euler(double dt, double end, const FemStat
   Stage& stage = planned.stage;
   stage.beta = stage.dt = dt;
   stage.time = end;
+  stage.start_time = end - dt;
   stage.base_positions = stage.start_positions = state.positions;
   stage.base_velocities = planned.guess_velocities = state.velocities;
   stage.base_angular = planned.guess_angular = state.angular;

@@ -57,7 +57,7 @@ def plot(path, title, xlabel, ylabel, series, logx=True, logy=True, reference=No
         colour = COLOURS[number % len(COLOURS)]
         line = " ".join("{:.1f},{:.1f}".format(*at(x, y)) for x, y in points)
         out.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
-        for x, y in points:
+        for x, y in points if len(points) <= 40 else []:
             out.append('<circle cx="{:.1f}" cy="{:.1f}" r="3.5" fill="{}"/>'.format(*at(x, y), colour))
         out.append(f'<text x="{width - right + 12}" y="{top + 16 + 19 * number}" fill="{colour}">{label}</text>')
     out.append(f'<text x="{(left + width - right) / 2}" y="{height - 14}" text-anchor="middle">{xlabel}</text>')

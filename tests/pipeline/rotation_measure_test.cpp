@@ -20,10 +20,10 @@ struct Rod {
   Channel positions{"position", ChannelOn::vertex, 3, ChannelStorage::float64, {}};
   Channel rotations{"microrotation", ChannelOn::vertex, 4, ChannelStorage::float64, {}};
 
-  explicit Rod(const Vec3& omega) {
-    const geometry::TetMesh mesh =
-        geometry::make_block_tets(geometry::box_block(Vec3(1.0, 0.04, 0.04)), {{48, 2, 2}, geometry::CellSplit::kuhn})
-            .value();
+  explicit Rod(const Vec3& omega, int cells = 48) {
+    const geometry::TetMesh mesh = geometry::make_block_tets(geometry::box_block(Vec3(1.0, 0.04, 0.04)),
+                                                             {{cells, 2, 2}, geometry::CellSplit::kuhn})
+                                       .value();
     body.rest_positions = mesh.vertices;
     body.tets = mesh.tets;
     for (Eigen::Index i = 0; i < mesh.vertices.rows(); ++i) {
@@ -62,6 +62,19 @@ TEST(RotationMeasure, AHelixHasTheRadiusAndPitchOfItsCurvatureAndTorsion) {
   EXPECT_NEAR(rod.measure(Kind::curve_pitch), 2.0 * std::numbers::pi * 2.0 / 29.0, 1e-3);
   EXPECT_NEAR(Rod(Vec3(0, 4, 0)).measure(Kind::curve_radius), 0.25, 1e-4);
   EXPECT_NEAR(Rod(Vec3(0, 4, 0)).measure(Kind::curve_pitch), 0.0, 1e-6);
+}
+
+TEST(RotationMeasure, TheHelixIsExactWhateverTheCellsAndHoweverTightlyItIsWound) {
+  for (const int cells : {40, 48, 80, 83}) {
+    for (const Vec3& omega : {Vec3(0.8, 0.0, 3.1), Vec3(4.0, 0.0, 16.0), Vec3(3.0, 11.0, 11.0)}) {
+      const Rod rod(omega, cells);
+      const double across = std::hypot(omega[1], omega[2]);
+      const double radius = across / omega.squaredNorm();
+      const double pitch = 2.0 * std::numbers::pi * omega[0] / omega.squaredNorm();
+      EXPECT_NEAR(rod.measure(Kind::curve_radius), radius, 5e-4 * radius) << cells << " cells, " << omega.transpose();
+      EXPECT_NEAR(rod.measure(Kind::curve_pitch), pitch, 5e-4 * pitch) << cells << " cells, " << omega.transpose();
+    }
+  }
 }
 
 TEST(RotationMeasure, TwistOfAnElementIsTheCurvatureTimesTheLengthOfItsCell) {

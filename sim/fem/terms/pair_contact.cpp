@@ -121,9 +121,7 @@ public:
 
   std::string_view name() const override { return "pair_barrier"; }
 
-  void begin_step(const Stage& stage, const Points&) override {
-    m_system.begin_step(stage.time - stage.dt, stage.time);
-  }
+  void begin_step(const Stage& stage, const Points&) override { m_system.begin_step(stage.start_time, stage.time); }
   double advance_prescribed(const Trial& trial) override { return m_system.advance_obstacles(trial.positions); }
 
   double energy(const Stage&, const Trial& trial) const override {
