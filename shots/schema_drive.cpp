@@ -4,7 +4,9 @@ namespace wry::shots {
 
 Section drive_section() {
   Section section;
-  section.doc = "Nodes that are moved as a whole along keys, or with a collider, from where they rest.";
+  section.doc =
+      "Nodes that are moved as a whole along keys, or with a collider, from where they rest; of particles, a part of "
+      "space that moves with the matter in it.";
   section.fields = {
       plain("name", Kind::name, "Names it in keys and messages.").default_is("drive1, drive2, ..."),
       reference("body", "body", "The name of a body.").default_is("the only body"),

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "pipeline/plan/compile_collider.h"
 #include "pipeline/plan/compile_fem.h"
 #include "pipeline/plan/mesh_body.h"
 #include "sim/geometry/signed_distance.h"
@@ -547,20 +548,53 @@ struct HeldShape {
   scene::ObstacleShape operator()(const shots::AttributeRegion&) const { return {}; }
 };
 
+/// A part of space in which matter is held or driven, at rest so far.
+Result<mpm::HeldSpace> space_in(const shots::Region& where, const shots::Source& source) {
+  const bool has_shape =
+      !std::holds_alternative<shots::ExpressionRegion>(where) && !std::holds_alternative<shots::AttributeRegion>(where);
+  if (!has_shape)
+    return at_source(source, make_error(ErrorCode::bad_input, "particles are held and driven in a part of space; "
+                                                              "expected where = {{ box | sphere | cylinder }}"));
+  mpm::HeldSpace held;
+  held.shape = std::visit(HeldShape{}, where);
+  return held;
+}
+
 } // namespace
 
 Result<mpm::HeldSpace> compile_held_space(const shots::Fixed& fixed) {
-  const bool has_shape = !std::holds_alternative<shots::ExpressionRegion>(fixed.where) &&
-                         !std::holds_alternative<shots::AttributeRegion>(fixed.where);
-  if (!has_shape)
-    return at_source(fixed.source, make_error(ErrorCode::bad_input, "particles are held in a part of space; expected "
-                                                                    "where = {{ box | sphere | cylinder }}"));
-  mpm::HeldSpace held;
-  held.name = *fixed.name;
-  held.shape = std::visit(HeldShape{}, fixed.where);
+  Result<mpm::HeldSpace> held = space_in(fixed.where, fixed.source);
+  if (!held)
+    return held.error();
+  held->name = *fixed.name;
   if (fixed.until)
-    held.until = **fixed.until;
+    held->until = **fixed.until;
   return held;
+}
+
+Result<mpm::HeldSpace> compile_driven_space(const shots::Drive& drive,
+                                            const std::vector<std::shared_ptr<const scene::Collider>>& colliders) {
+  if (*drive.method != shots::DriveMethod::exact)
+    return at_source(drive.method.source,
+                     make_error(ErrorCode::bad_input, "particles are driven through their grid, where no spring "
+                                                      "acts; write method = \"exact\" or leave it out"));
+  Result<mpm::HeldSpace> driven = space_in(drive.where, drive.source);
+  if (!driven)
+    return driven.error();
+  driven->name = *drive.name;
+  if (drive.until)
+    driven->until = **drive.until;
+  if (drive.collider) {
+    const auto named = std::find_if(colliders.begin(), colliders.end(),
+                                    [&](const auto& collider) { return collider->name == **drive.collider; });
+    driven->motion = (*named)->motion;
+    return driven;
+  }
+  Result<scene::Motion> motion = compile_motion(drive.motion);
+  if (!motion)
+    return motion.error();
+  driven->motion = std::move(*motion);
+  return driven;
 }
 
 std::vector<std::string> overlapping_bodies(const shots::Shot& shot, const mpm::MpmPlan& plan) {

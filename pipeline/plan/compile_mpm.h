@@ -32,6 +32,11 @@ Result<CompiledParticles> compile_particles(const shots::Shot& shot, const shots
 /// shape in space.
 Result<mpm::HeldSpace> compile_held_space(const shots::Fixed& fixed);
 
+/// [[drive]] of a body of particles: the space that moves as its keys or its collider say, with the matter in it.
+/// Errors: bad_input for a region that has no shape in space, and for springs.
+Result<mpm::HeldSpace> compile_driven_space(const shots::Drive& drive,
+                                            const std::vector<std::shared_ptr<const scene::Collider>>& colliders);
+
 /// Pairs of bodies whose particles overlap at the start, as warnings with their lines.
 std::vector<std::string> overlapping_bodies(const shots::Shot& shot, const mpm::MpmPlan& plan);
 

@@ -289,6 +289,13 @@ Status SceneCompiler::describe_measured_body(const shots::Measure& measure, Meas
 Status SceneCompiler::compile_drives() {
   fem::FemPlan& plan = m_plan.sim.fem;
   for (const shots::Drive& drive : m_shot.drives) {
+    if (m_shot.is_particles(*m_shot.find_body(*drive.body))) {
+      Result<mpm::HeldSpace> driven = compile_driven_space(drive, m_plan.sim.colliders);
+      if (!driven)
+        return driven.error();
+      m_plan.sim.mpm.held.push_back(std::move(*driven));
+      continue;
+    }
     const std::size_t body = m_plan.sim.body_index(*drive.body);
     Result<fem::DrivenNodes> compiled =
         compile_drive(drive, static_cast<int>(body), *plan.bodies[body].mesh, m_plan.sim.colliders);

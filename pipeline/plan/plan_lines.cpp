@@ -81,7 +81,8 @@ void describe_methods(ScenePlan& plan) {
   };
   decide(!mpm.colliders.empty(), "colliders on the grid", "[[collider]]: nodes of blocks that are near one",
          "no [[collider]]: no node is looked at");
-  decide(!mpm.held.empty(), "held space", "[[fixed]] on a body of particles", "no [[fixed]] on a body of particles");
+  decide(!mpm.held.empty(), "held space", "[[fixed]] and [[drive]] on a body of particles",
+         "no [[fixed]] or [[drive]] on a body of particles");
   decide(!mpm.sources.empty(), "sources", "a body with source", "no body with source: no particle is added");
   if (plan.sim.fem.bodies.empty())
     plan.left_out.push_back({"fem", "no solid: no elements, no linear solver"});

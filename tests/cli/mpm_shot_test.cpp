@@ -97,8 +97,33 @@ TEST_F(MpmRun, PlanSaysWhatAParticleCarriesAndWhatIsLeftOut) {
   const Outcome plan = run_wry({"plan", "heap.toml"}, m_folder.path());
   ASSERT_EQ(plan.exit_code, 0) << plan.err;
   for (const char* part : {"512 particles of 124 bytes", "position 12, velocity 12, affine 36, deformation 36",
-                           "isotropic: no maps", "no [[fixed]] on a body of particles", "fem"})
+                           "isotropic: no maps", "no [[fixed]] or [[drive]] on a body of particles", "fem"})
     EXPECT_NE(plan.out.find(part), std::string::npos) << part << "\n" << plan.out;
+}
+
+const std::string LIFT = R"([[drive]]
+name = "lift"
+where = { box = { min = [-1, 0.2, -1], max = [1, 1, 1] } }
+keys = [{ time = 0 }, { time = 0.25, translate = [0, 0.25, 0] }]
+)";
+
+TEST_F(MpmRun, DrivenSpaceTakesTheMatterInItAlong) {
+  ASSERT_EQ(simulate(HEAP + LIFT, "lifted").exit_code, 0);
+  const std::string measured = read_text(out("lifted") / "measure.csv");
+  const auto height = [&](std::size_t line_start) {
+    return std::stod(measured.substr(measured.find(',', measured.find(',', line_start) + 1) + 1));
+  };
+  const double first = height(measured.find('\n') + 1);
+  const double last = height(measured.rfind('\n', measured.size() - 2) + 1);
+  EXPECT_NEAR(last - first, 0.25, 0.005) << measured;
+}
+
+TEST_F(MpmRun, SpringsOnParticlesAreRefusedWithTheirLine) {
+  write_text(m_folder.path() / "heap.toml", HEAP + LIFT + "method = \"penalty\"\n");
+  const Outcome plan = run_wry({"plan", "heap.toml"}, m_folder.path());
+  EXPECT_EQ(plan.exit_code, 65);
+  EXPECT_NE(plan.err.find("heap.toml:27:10"), std::string::npos) << plan.err;
+  EXPECT_NE(plan.err.find("particles are driven through their grid"), std::string::npos) << plan.err;
 }
 
 struct Refused {
