@@ -136,7 +136,9 @@ Measure bind_measure(const Reader& reader) {
                                            {"curve_pitch", K::curve_pitch},
                                            {"mean_alignment", K::mean_alignment},
                                            {"second_moment", K::second_moment},
-                                           {"largest_fragment", K::largest_fragment}});
+                                           {"largest_fragment", K::largest_fragment},
+                                           {"grains_inside", K::grains_inside},
+                                           {"grain_hover", K::grain_hover}});
   measure.body = reader.text("body");
   if (const auto axis = reader.optional_text("axis")) {
     measure.axis = Located<Axis>(axis_of(**axis), axis->source);

@@ -491,6 +491,14 @@ private:
     if (!maybe_along_axis && measure.axis) {
       refuse(measure.axis->source, ": this kind of measure has no axis; remove it");
     }
+    const bool of_grains = *measure.kind == MeasureKind::grains_inside || *measure.kind == MeasureKind::grain_hover;
+    const Body* body = m_shot.find_body(*measure.body);
+    if (of_grains && body != nullptr && !body->particles.grains) {
+      refuse(measure.kind.source, fmt::format(": body '{}' has no sub_particles to be measured", *measure.body));
+    }
+    if (of_grains && measure.where) {
+      refuse(measure.source, ": all grains are measured; remove where");
+    }
     if (measure.where) {
       check_region(*measure.where);
     }

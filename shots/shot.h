@@ -460,6 +460,8 @@ enum class MeasureKind {
   mean_alignment,
   second_moment,
   largest_fragment,
+  grains_inside,
+  grain_hover,
   curvature_energy,
   bound_low,
   bound_high,

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "pipeline/measure/fibre_measures.h"
+#include "pipeline/measure/grain_measures.h"
 #include "pipeline/measure/pile_measures.h"
 #include "pipeline/measure/rotation_measures.h"
 
@@ -263,6 +264,10 @@ constexpr std::array MEASURE_FUNCTIONS = {
                     MeasuredOn::particles, second_moment},
     MeasureFunction{Kind::largest_fragment, "largest_fragment", "", "part of the particles in the largest piece",
                     MeasuredOn::particles, largest_fragment},
+    MeasureFunction{Kind::grains_inside, "grains_inside", "", "grains with their centre inside a collider",
+                    MeasuredOn::particles, nullptr, grains_inside},
+    MeasureFunction{Kind::grain_hover, "grain_hover", "m", "greatest gap below a grain at rest", MeasuredOn::particles,
+                    nullptr, grain_hover},
 };
 
 } // namespace
@@ -281,6 +286,8 @@ std::span<const MeasureFunction> measure_functions() {
 
 double evaluate_measure(const MeasurePlan& plan, const SceneStatic& scene, const Frame& frame) {
   for (const MeasureFunction& function : MEASURE_FUNCTIONS) {
+    if (function.kind == plan.kind && function.evaluate == nullptr)
+      return function.evaluate_in_scene(plan, scene, frame);
     if (function.kind == plan.kind)
       return function.evaluate(plan, scene.bodies[plan.body], frame.bodies[plan.body]);
   }

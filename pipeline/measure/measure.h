@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,20 +13,23 @@
 
 namespace wry::pipeline {
 
+class DrawnColliders;
+
 /// A measure ready to be evaluated: names resolved, nodes picked.
 struct MeasurePlan {
   std::string name; ///< column in measure.csv
   shots::MeasureKind kind = shots::MeasureKind::height;
-  std::size_t body = 0;                ///< index into SceneStatic::bodies
-  Vec3 direction = Vec3::UnitY();      ///< unit: the shot's up for height, else the measure's axis
-  Vec3 up = Vec3::UnitY();             ///< unit: the shot's
-  double density = 0.0;                ///< of the body [kg/m^3]
-  double cell = 0.0;                   ///< of the particles' grid [m]
-  double particle_mass = 0.0;          ///< of bodies of particles [kg]
-  Vec3 start_low = Vec3::Zero();       ///< of bodies of particles: the box they fill at the start [m]
-  Vec3 start_high = Vec3::Zero();      ///< [m]
-  std::optional<scene::Region> region; ///< of fraction_outside, in space
-  std::optional<Vec3> about;           ///< of torques and angular momenta [m]; absent: the middle of the nodes
+  std::size_t body = 0;                                  ///< index into SceneStatic::bodies
+  Vec3 direction = Vec3::UnitY();                        ///< unit: the shot's up for height, else the measure's axis
+  Vec3 up = Vec3::UnitY();                               ///< unit: the shot's
+  double density = 0.0;                                  ///< of the body [kg/m^3]
+  double cell = 0.0;                                     ///< of the particles' grid [m]
+  double particle_mass = 0.0;                            ///< of bodies of particles [kg]
+  Vec3 start_low = Vec3::Zero();                         ///< of bodies of particles: the box they fill at the start [m]
+  Vec3 start_high = Vec3::Zero();                        ///< [m]
+  std::optional<scene::Region> region;                   ///< of fraction_outside and pile_height, in space
+  std::shared_ptr<const DrawnColliders> drawn_colliders; ///< of what grains are measured against
+  std::optional<Vec3> about; ///< of torques and angular momenta [m]; absent: the middle of the nodes
   shots::MeasureAt at = shots::MeasureAt::nodes;
   shots::PointRotations rule = shots::PointRotations::velocity;
   std::vector<std::int32_t> nodes; ///< those it looks at; empty: all
@@ -42,7 +46,8 @@ struct MeasureFunction {
   std::string_view unit;
   std::string_view doc;
   MeasuredOn on;
-  double (*evaluate)(const MeasurePlan&, const SceneBody&, const FrameBody&);
+  double (*evaluate)(const MeasurePlan&, const SceneBody&, const FrameBody&); ///< null: of more than its body
+  double (*evaluate_in_scene)(const MeasurePlan&, const SceneStatic&, const Frame&) = nullptr;
 };
 
 /// Every kind that this build has.

@@ -73,7 +73,29 @@ double front_position(const MeasurePlan& plan, const SceneBody&, const FrameBody
   return quantile(std::move(places), MOST);
 }
 
+namespace {
+
+/// The points that are in the measure's region now.
+std::vector<std::int32_t> points_within(const MeasurePlan& plan, const PointMap& points) {
+  scene::RestPoints now;
+  now.positions = points;
+  Result<std::vector<std::int32_t>> inside = scene::select_points(*plan.region, now, Threads(1));
+  // That no point is in it is an error of regions that pick nodes.
+  return inside ? std::move(*inside) : std::vector<std::int32_t>{};
+}
+
+} // namespace
+
 double pile_height(const MeasurePlan& plan, const SceneBody&, const FrameBody& frame) {
+  if (plan.region) {
+    const PointMap points = point_channel(frame, "position");
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const std::int32_t i : points_within(plan, points)) {
+      low = std::min(low, points.row(i).dot(plan.up));
+      high = std::max(high, points.row(i).dot(plan.up));
+    }
+    return high > low ? high - low : 0.0;
+  }
   double highest = -std::numeric_limits<double>::infinity();
   for_particles(plan, point_channel(frame, "position"),
                 [&](const Vec3& point) { highest = std::max(highest, point.dot(plan.up)); });
@@ -120,12 +142,7 @@ double fraction_outside(const MeasurePlan& plan, const SceneBody&, const FrameBo
   const PointMap points = point_channel(frame, "position");
   if (!plan.region || points.rows() == 0)
     return NOTHING;
-  scene::RestPoints rest;
-  rest.positions = points;
-  const Result<std::vector<std::int32_t>> inside = scene::select_points(*plan.region, rest, Threads(1));
-  // That no point is in it is an error of regions that pick nodes.
-  const double count = inside ? static_cast<double>(inside->size()) : 0.0;
-  return 1.0 - count / static_cast<double>(points.rows());
+  return 1.0 - static_cast<double>(points_within(plan, points).size()) / static_cast<double>(points.rows());
 }
 
 } // namespace wry::pipeline

@@ -1,3 +1,4 @@
+#include "pipeline/measure/grain_measures.h"
 #include "pipeline/plan/scene_plan.h"
 
 #include <algorithm>
@@ -326,6 +327,7 @@ void need_channels(const MeasurePlan& measure, fem::FemOutputs& outputs) {
 }
 
 Status SceneCompiler::compile_measures() {
+  std::shared_ptr<const DrawnColliders> drawn_colliders;
   for (const shots::Measure& measure : m_shot.measures) {
     MeasurePlan compiled;
     compiled.name = *measure.name;
@@ -339,7 +341,14 @@ Status SceneCompiler::compile_measures() {
     need_channels(compiled, m_plan.sim.fem.outputs);
     if (Status status = describe_measured_body(measure, compiled); !status)
       return status;
-    if (measure.where && *measure.kind == shots::MeasureKind::fraction_outside) {
+    if (*measure.kind == shots::MeasureKind::grains_inside || *measure.kind == shots::MeasureKind::grain_hover) {
+      if (drawn_colliders == nullptr)
+        drawn_colliders = std::make_shared<const DrawnColliders>(m_plan.sim.colliders);
+      compiled.drawn_colliders = drawn_colliders;
+    }
+    const bool in_space =
+        *measure.kind == shots::MeasureKind::fraction_outside || *measure.kind == shots::MeasureKind::pile_height;
+    if (measure.where && in_space) {
       compiled.region = compile_region(*measure.where);
     } else if (measure.where) {
       const scene::RestPoints points = measured_points(compiled.body);

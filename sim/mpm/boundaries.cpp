@@ -150,38 +150,48 @@ double Boundaries::max_speed(double time, double dt) const {
   return greatest;
 }
 
-bool Boundaries::near_block(const Obstacle& obstacle, const BlockCoord& coord, double margin_cells) const {
+double Boundaries::clear_of_block(const Obstacle& obstacle, const BlockCoord& coord) const {
   constexpr double MIDDLE = 0.5 * (BLOCK_SIDE - 1);
-  const double reach = (MIDDLE * std::sqrt(3.0) + margin_cells) * m_cell;
-  return obstacle.field.distance(obstacle.pose, node_position(coord, Vec3::Constant(MIDDLE), m_cell)) <= reach;
+  constexpr double MARGIN = 0.1; // cells
+  const double distance = obstacle.field.distance(obstacle.pose, node_position(coord, Vec3::Constant(MIDDLE), m_cell));
+  return distance - (MIDDLE * std::sqrt(3.0) + MARGIN) * m_cell;
 }
 
 template <class Scalar> void Boundaries::constrain_nodes(const BlockCoord& coord, Scalar* values) const {
-  std::vector<const Obstacle*> near;
+  // Nowhere within `clear` of the block's middle; most nodes of a block that an obstacle touches are further in.
+  struct Near {
+    const Obstacle* obstacle;
+    double clear;
+  };
+  constexpr double MIDDLE = 0.5 * (BLOCK_SIDE - 1);
+  const double surface = ON_SURFACE * m_cell;
+  std::vector<Near> near;
   for (const Obstacle& obstacle : m_obstacles) {
-    if (near_block(obstacle, coord, 0.1))
-      near.push_back(&obstacle);
+    const double clear = clear_of_block(obstacle, coord);
+    if (clear <= 0.0)
+      near.push_back({&obstacle, clear + MIDDLE * std::sqrt(3.0) * m_cell});
   }
   std::vector<const Obstacle*> holding;
   for (const Held& held : m_held) {
-    if (held.active && near_block(held.space, coord, 0.1))
+    if (held.active && clear_of_block(held.space, coord) <= 0.0)
       holding.push_back(&held.space);
   }
   if (near.empty() && holding.empty())
     return;
-  const double surface = ON_SURFACE * m_cell;
   for (int node = 0; node < BLOCK_VALUES / NODE_VALUES; ++node) {
     Scalar* value = values + node * NODE_VALUES;
     if (!(value[3] > 0))
       continue;
-    const Vec3 at = node_position(coord, Vec3(node / 16, node / 4 % 4, node % 4), m_cell);
+    const Vec3 in_block(node / 16, node / 4 % 4, node % 4);
+    const Vec3 at = node_position(coord, in_block, m_cell);
+    const double from_middle = (in_block - Vec3::Constant(MIDDLE)).norm() * m_cell;
     const Vec3 before(value[0], value[1], value[2]);
     Vec3 velocity = before;
     int touched = 0;
     const auto touch = [&] {
       touched = 0;
-      for (const Obstacle* obstacle : near) {
-        if (obstacle->field.distance(obstacle->pose, at) > surface)
+      for (const auto& [obstacle, clear] : near) {
+        if (from_middle < clear || obstacle->field.distance(obstacle->pose, at) > surface)
           continue;
         const scene::ColliderSample sample = obstacle->field.sample(obstacle->pose, at);
         const scene::Collider& collider = obstacle->field.collider();

@@ -73,7 +73,9 @@ private:
     std::optional<double> until;
     bool active = true;
   };
-  bool near_block(const Obstacle& obstacle, const BlockCoord& coord, double margin_cells) const;
+  /// How far an obstacle keeps from a block's nodes [m], less than a tenth of a cell wrong; negative: it may touch
+  /// them.
+  double clear_of_block(const Obstacle& obstacle, const BlockCoord& coord) const;
 
   double m_cell = 0.0;
   std::vector<Obstacle> m_obstacles;
