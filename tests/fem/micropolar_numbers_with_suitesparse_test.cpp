@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -39,11 +40,14 @@ TEST(MicropolarNumbers, MicrorotationsOfAHeldStretchedTetAreThePolarFactor) {
     run_until(*simulation, 1.0);
     const StateArchive end = simulation->archive();
     const Vec4 expected = quaternion_of(polar_rotation(F));
+    double worst = 0.0;
     for (const NamedArray& array : end) {
       for (Eigen::Index i = 0; array.name == "fem/body0/rotations" && i < rest.rows(); ++i)
-        EXPECT_LT(rotation_distance(Vec4(Eigen::Map<const Vec4>(array.values.data() + 4 * i)), expected),
-                  1e-6 * std::numbers::pi / 180.0);
+        worst = std::max(worst, rotation_distance(Vec4(Eigen::Map<const Vec4>(array.values.data() + 4 * i)), expected));
     }
+    worst *= 180.0 / std::numbers::pi;
+    EXPECT_LT(worst, 1e-6);
+    record_number("polar factor as minimiser: distance [degrees] (at most)", 1e-6, worst);
   }
 }
 
