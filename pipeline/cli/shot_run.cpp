@@ -99,8 +99,7 @@ bool applies(const shots::Expectation& expectation, const shots::Shot& shot) {
 
 } // namespace
 
-Result<SimulateOutcome> simulate_session(const ShotSession& session, const ScenePlan& plan,
-                                         const Invocation& invocation) {
+Result<MeasureTable> simulate_session(const ShotSession& session, const ScenePlan& plan, const Invocation& invocation) {
   if (Status status = require_resources(plan, session.out); !status)
     return status.error();
   for (const std::string& warning : plan.warnings)
@@ -114,7 +113,7 @@ Result<SimulateOutcome> simulate_session(const ShotSession& session, const Scene
   const Result<SimulateOutcome> outcome = simulate(session.shot, plan, options);
   if (!outcome)
     return outcome.error();
-  const Result<MeasureTable> table = measure_frames(plan, session.out);
+  Result<MeasureTable> table = measure_frames(plan, session.out, Threads(invocation.threads));
   if (!table)
     return table.error();
   if (outcome->frames_written > 0) {
@@ -123,7 +122,7 @@ Result<SimulateOutcome> simulate_session(const ShotSession& session, const Scene
   }
   if (!invocation.quiet)
     print_totals(plan, *outcome);
-  return outcome;
+  return table;
 }
 
 Status draw_session(const ShotSession& session, const Invocation& invocation) {

@@ -9,8 +9,7 @@
 namespace wry::pipeline {
 
 /// Simulates a session's shot into its folder, whose lock the caller holds, and measures its frames.
-Result<SimulateOutcome> simulate_session(const ShotSession& session, const ScenePlan& plan,
-                                         const Invocation& invocation);
+Result<MeasureTable> simulate_session(const ShotSession& session, const ScenePlan& plan, const Invocation& invocation);
 
 /// Draws a session's pictures in one process per core. Errors: the first of those of the processes.
 Status draw_session(const ShotSession& session, const Invocation& invocation);

@@ -343,7 +343,7 @@ Result<SimulateOutcome> simulate(const shots::Shot& shot, const ScenePlan& plan,
   return SimulationRun(shot, plan, options, std::move(*cache), std::move(*checkpoints)).go();
 }
 
-Result<MeasureTable> measure_frames(const ScenePlan& plan, const fs::path& out) {
+Result<MeasureTable> measure_frames(const ScenePlan& plan, const fs::path& out, const Threads& threads) {
   MeasureTable table;
   for (const MeasurePlan& measure : plan.measures)
     table.names.push_back(measure.name);
@@ -362,14 +362,15 @@ Result<MeasureTable> measure_frames(const ScenePlan& plan, const fs::path& out) 
     const Result<Frame> frame = cache->read_frame(cached.number);
     if (!frame)
       return frame.error();
-    std::vector<double> row;
-    text += fmt::format("{},{}", frame->number, frame->time);
-    for (std::size_t i = 0; i < measures.size(); ++i) {
+    std::vector<double> row(measures.size());
+    threads.for_each(measures.size(), 1, [&](std::size_t i) {
       if (plan.measure_is_relative[i] && !measures[i].reference)
         measures[i].reference = evaluate_measure(measures[i], *scene, *frame);
-      row.push_back(measured_value(measures[i], *scene, *frame));
-      text += fmt::format(",{}", row.back());
-    }
+      row[i] = measured_value(measures[i], *scene, *frame);
+    });
+    text += fmt::format("{},{}", frame->number, frame->time);
+    for (const double value : row)
+      text += fmt::format(",{}", value);
     text += "\n";
     table.frames.push_back(frame->number);
     table.rows.push_back(std::move(row));

@@ -6,6 +6,7 @@
 #include "pipeline/plan/scene_plan.h"
 #include "pipeline/run/step_columns.h"
 #include "sim/base/isa.h"
+#include "sim/base/parallel.h"
 
 namespace wry::pipeline {
 
@@ -39,6 +40,6 @@ struct MeasureTable {
   std::vector<std::string> names;
   std::vector<std::vector<double>> rows;
 };
-Result<MeasureTable> measure_frames(const ScenePlan& plan, const std::filesystem::path& out);
+Result<MeasureTable> measure_frames(const ScenePlan& plan, const std::filesystem::path& out, const Threads& threads);
 
 } // namespace wry::pipeline

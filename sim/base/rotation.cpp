@@ -1,6 +1,7 @@
 #include "sim/base/rotation.h"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -94,7 +95,8 @@ Vec4 spherical_average(std::span<const Vec4> rotations, std::span<const double> 
     mean += weights[k] * aligned[k];
   }
   mean.normalize();
-  constexpr int MOST_ITERATIONS = 100; // it converges quadratically; round-off may keep it above the tolerance
+  constexpr int MOST_ITERATIONS = 100;
+  double last = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < MOST_ITERATIONS; ++iteration) {
     Vec4 step = Vec4::Zero();
     for (std::size_t k = 0; k < aligned.size(); ++k) {
@@ -106,8 +108,9 @@ Vec4 spherical_average(std::span<const Vec4> rotations, std::span<const double> 
     }
     const double length = step.norm();
     mean = (std::cos(length) * mean + sinc(length) * step).normalized();
-    if (length < 1e-14)
+    if (length < 1e-14 || length >= last) // round-off may keep it above the tolerance
       break;
+    last = length;
   }
   return mean;
 }

@@ -25,16 +25,13 @@ Status run_verb(const Invocation& invocation) {
   const Result<FolderLock> lock = take_folder(session->out);
   if (!lock)
     return lock.error();
-  const Result<SimulateOutcome> outcome = simulate_session(*session, *plan, invocation);
-  if (!outcome)
-    return outcome.error();
+  const Result<MeasureTable> table = simulate_session(*session, *plan, invocation);
+  if (!table)
+    return table.error();
   if (Status status = draw_session(*session, invocation); !status)
     return status;
   if (Status status = encode_session(*session); !status)
     return status;
-  const Result<MeasureTable> table = measure_frames(*plan, session->out);
-  if (!table)
-    return table.error();
   if (Status status = write_run_report(*session, *plan); !status)
     return status;
   if (!invocation.quiet)

@@ -23,8 +23,8 @@ Status simulate_verb(const Invocation& invocation) {
   const Result<FolderLock> lock = take_folder(session->out);
   if (!lock)
     return lock.error();
-  const Result<SimulateOutcome> outcome = simulate_session(*session, *plan, invocation);
-  return outcome ? Status() : Status(outcome.error());
+  const Result<MeasureTable> table = simulate_session(*session, *plan, invocation);
+  return table ? Status() : Status(table.error());
 }
 
 } // namespace wry::pipeline
