@@ -53,7 +53,8 @@ bool any_body(const ScenePlan& plan, bool (*holds)(const fem::FemMaterial&)) {
 // per tet, and how many iterations a step takes.
 constexpr double CLASSIC_SECONDS_PER_TET = 2.0e-6;
 constexpr double MICROPOLAR_SECONDS_PER_TET = 8.0e-6;
-constexpr double NEWTON_PER_STEP = 4.0;
+constexpr double NEWTON_PER_STEP = 2.5;
+constexpr double NEWTON_PER_STEP_IN_CONTACT = 15.0; // with both passes of friction
 // Element data, two matrices and the vectors, per tet.
 constexpr std::uint64_t CLASSIC_BYTES_PER_TET = 1200;
 constexpr std::uint64_t MICROPOLAR_BYTES_PER_TET = 4500;
@@ -234,10 +235,15 @@ CostEstimate estimate_cost(const ScenePlan& plan) {
     seconds_per_iteration +=
         static_cast<double>(body.tets) * (micropolar ? MICROPOLAR_SECONDS_PER_TET : CLASSIC_SECONDS_PER_TET);
   }
-  cost.seconds_per_step = NEWTON_PER_STEP * seconds_per_iteration;
+  const fem::FemPlan& fem = plan.sim.fem;
+  const bool touches = fem.contact || !fem.planes.empty() || !fem.obstacles.empty();
+  const double per_step = (touches ? NEWTON_PER_STEP_IN_CONTACT : NEWTON_PER_STEP) *
+                          (fem.settings.integrator == fem::Integrator::sdirk2 ? 2.0 : 1.0);
+  cost.seconds_per_step = per_step * seconds_per_iteration;
   if (!plan.sim.fem.bodies.empty()) {
     cost.time_step = plan.sim.fem.settings.max_time_step;
     cost.steps = plan.sim.time_of(plan.sim.last_frame) / cost.time_step;
+    cost.newton_directions = per_step * cost.steps;
   }
   add_cost_of_particles(plan, cost);
   return cost;
@@ -249,7 +255,10 @@ Status describe_solver(ScenePlan& plan, Isa isa, int threads) {
   const Result<std::unique_ptr<fem::FemSimulation>> simulation = fem::FemSimulation::create(plan.sim.fem, threads, isa);
   if (!simulation)
     return simulation.error();
-  plan.runs.push_back({"linear solver", (*simulation)->solver_choice().reason});
+  const fem::SolverChoice choice = (*simulation)->solver_choice();
+  plan.runs.push_back({"linear solver", choice.reason});
+  if (plan.cost.steps > 0.0)
+    plan.cost.seconds_per_step += plan.cost.newton_directions * choice.seconds_per_direction / plan.cost.steps;
   plan.cost.memory_bytes = std::max<std::uint64_t>(plan.cost.memory_bytes, (*simulation)->memory_bytes());
   return {};
 }

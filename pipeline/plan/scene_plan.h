@@ -43,6 +43,7 @@ struct CostEstimate {
   std::uint64_t bytes_per_frame = 0; ///< of the frame cache
   std::uint64_t bytes_per_checkpoint = 0;
   double seconds_per_step = 0.0;
+  double newton_directions = 0.0; ///< linear systems of the whole shot
   double steps = 0.0;     ///< of the whole shot
   double time_step = 0.0; ///< the shorter of both methods' [s]
 

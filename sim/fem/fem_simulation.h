@@ -35,6 +35,7 @@ struct StepStats {
 struct SolverChoice {
   LinearSolver solver = LinearSolver::pcg;
   std::string reason;
+  double seconds_per_direction = 0.0; ///< predicted; 0 when the solver was asked for
 };
 
 /// Solids in time: minimises the incremental potential (spec §5) step by step.

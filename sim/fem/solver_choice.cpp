@@ -26,6 +26,20 @@ double wave_crossing(const FemPlan& plan, const FemScene& scene) {
   return crossing;
 }
 
+/// sqrt(mu L_c^2 C / (4 mu_c)) / edge: curvature energy against the coupling of microrotations to the matter.
+double rotation_reach(const FemPlan& plan, const FemScene& scene) {
+  double reach = 0.0;
+  for (std::size_t i = 0; i < plan.bodies.size(); ++i) {
+    const FemMaterial& m = plan.bodies[i].material;
+    if (m.curvature == CurvatureModel::none || !(m.couple_modulus_ratio > 0.0))
+      continue;
+    const double largest = m.curvature == CurvatureModel::orthotropic ? m.curvature_stiffness.maxCoeff()
+                                                                      : std::max({m.alpha, m.beta, m.gamma});
+    reach = std::max(reach, m.length_scale * std::sqrt(largest / (4.0 * m.couple_modulus_ratio)) / scene.edges[i]);
+  }
+  return reach;
+}
+
 double longest_path(const FemPlan& plan, const FemScene& scene) {
   double longest = 0.0;
   for (std::size_t i = 0; i < plan.bodies.size(); ++i) {
@@ -61,6 +75,7 @@ Result<ChosenMethod> choose_linear_method(const FemPlan& plan, const FemScene& s
   demand.matrix_entries = matrix.entry_count();
   demand.unknowns = static_cast<double>(scene.model.layout.dof_count());
   demand.wave_crossing = wave_crossing(plan, scene);
+  demand.rotation_reach = rotation_reach(plan, scene);
   demand.longest_path = longest_path(plan, scene);
   demand.factor_available = false;
   if (scene.model.layout.node_count() <= MOST_NODES_TO_FACTOR) {
@@ -70,7 +85,10 @@ Result<ChosenMethod> choose_linear_method(const FemPlan& plan, const FemScene& s
       demand.cost = factor.value()->cost();
   }
   SolverDecision decision = choose_solver(demand);
-  return make(decision.solver, std::move(decision.reason), matrix, threads);
+  Result<ChosenMethod> chosen = make(decision.solver, std::move(decision.reason), matrix, threads);
+  if (chosen)
+    chosen->choice.seconds_per_direction = decision.seconds_per_direction;
+  return chosen;
 }
 
 } // namespace wry::fem

@@ -89,6 +89,30 @@ TEST(ProjectElement, LeavesElementsAloneThatInertiaHolds) {
   EXPECT_EQ(lane.get(), original);
 }
 
+TEST(ProjectElement, ChangesOnlyRotationsWherePositionsAreDefinite) {
+  Lane<6> lane;
+  Lane<6>::Matrix original = indefinite<Lane<6>::Matrix>();
+  for (int k = 0; k < 4; ++k)
+    original.diagonal().segment<3>(6 * k).array() += 1.0;
+  lane.put(original);
+  const std::array<double, 4> inertia = {0.1, 0.2, 0.3, 0.4};
+  ASSERT_TRUE(project_element<6>(lane.storage.data(), Lane<6>::NUMBER, inertia));
+  const Lane<6>::Matrix projected = lane.get();
+  for (int row = 0; row < 24; ++row) {
+    for (int column = 0; column < 24; ++column) {
+      if (row % 6 < 3 || column % 6 < 3) {
+        EXPECT_EQ(projected(row, column), original(row, column));
+      }
+    }
+  }
+  Lane<6>::Matrix sum = projected;
+  for (int k = 0; k < 4; ++k)
+    sum.diagonal().segment<3>(k * 6).array() += inertia[static_cast<std::size_t>(k)];
+  EXPECT_NEAR(Eigen::SelfAdjointEigenSolver<Lane<6>::Matrix>(sum).eigenvalues().minCoeff(), 0.0, 1e-12);
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Lane<6>::Matrix>(projected - original).eigenvalues().minCoeff(), -1e-12)
+      << "it may only get stiffer";
+}
+
 TEST(InertiaShares, AddUpToHalfTheMass) {
   InertiaShares shares;
   shares.add_corner(0, 2.0);

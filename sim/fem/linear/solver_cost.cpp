@@ -18,10 +18,10 @@ constexpr double VECTOR_UNKNOWNS_PER_SECOND = 0.6e9;
 
 /// Block-Jacobi iterations that one Newton direction (relative residual about 1e-3) takes.
 double expected_iterations(const SolverDemand& demand) {
-  return 6.0 + 9.0 * std::min(demand.wave_crossing, 1.5 * demand.longest_path);
+  return 6.0 + 9.0 * std::min(std::max(demand.wave_crossing, demand.rotation_reach), 1.5 * demand.longest_path);
 }
 
-constexpr double STALE_ITERATIONS = 5.0;
+constexpr double STALE_ITERATIONS = 10.0; // 12 where a soft shell collapses, 5 where a bar is bent
 constexpr double SOLVES_PER_STALE_FACTOR = 20.0;
 
 } // namespace
@@ -46,7 +46,7 @@ SolverDecision choose_solver(const SolverDemand& demand) {
   const double iterations = expected_iterations(demand);
   const double pcg = iterations * block_jacobi_seconds(demand.matrix_entries, demand.unknowns);
   if (!demand.factor_available)
-    return {LinearSolver::pcg, fmt::format("{:.0f} unknowns; this build has no direct solver", demand.unknowns)};
+    return {LinearSolver::pcg, fmt::format("{:.0f} unknowns; this build has no direct solver", demand.unknowns), pcg};
   const double direct = factor_seconds(demand.cost) + factor_solve_seconds(demand.cost);
   const double stale = STALE_ITERATIONS * iteration_seconds(demand.cost, demand.matrix_entries) +
                        factor_seconds(demand.cost) / SOLVES_PER_STALE_FACTOR;
@@ -54,10 +54,14 @@ SolverDecision choose_solver(const SolverDemand& demand) {
   decision.solver = LinearSolver::pcg;
   if (direct < pcg || stale < pcg)
     decision.solver = direct <= stale ? LinearSolver::cholesky : LinearSolver::stale_cholesky;
+  decision.seconds_per_direction = decision.solver == LinearSolver::pcg ? pcg : std::min(direct, stale);
+  const std::string turns = demand.rotation_reach > demand.wave_crossing
+                                ? fmt::format(", a turn reaches {:.0f}", demand.rotation_reach)
+                                : std::string();
   decision.reason =
-      fmt::format("{:.0f} unknowns, a wave crosses {:.1f} edges in a step: per direction about {:.1f} ms by "
+      fmt::format("{:.0f} unknowns, a wave crosses {:.1f} edges in a step{}: per direction about {:.1f} ms by "
                   "pcg ({:.0f} iterations), {:.1f} ms by a factor ({:.1f} Gflop), {:.1f} ms by a stale one",
-                  demand.unknowns, demand.wave_crossing, 1e3 * pcg, iterations, 1e3 * direct, 1e-9 * demand.cost.flops,
+                  demand.unknowns, demand.wave_crossing, turns, 1e3 * pcg, iterations, 1e3 * direct, 1e-9 * demand.cost.flops,
                   1e3 * stale);
   return decision;
 }

@@ -24,13 +24,17 @@ struct SolverDemand {
   double matrix_entries = 0.0; ///< stored
   double unknowns = 0.0;
   double wave_crossing = 0.0; ///< largest c dt / h of the bodies: sound speed, step, edge
-  double longest_path = 0.0;  ///< largest number of edges across a body
+  /// Largest reach of a turn of one microrotation, in edges: curvature energy makes its neighbours turn along, without
+  /// inertia that would hold them back.
+  double rotation_reach = 0.0;
+  double longest_path = 0.0; ///< largest number of edges across a body
 };
 
 /// A solver and the reason in words for `wry plan`.
 struct SolverDecision {
   LinearSolver solver = LinearSolver::pcg;
   std::string reason;
+  double seconds_per_direction = 0.0; ///< predicted
 };
 SolverDecision choose_solver(const SolverDemand& demand);
 
