@@ -143,8 +143,11 @@ void describe_solids(ScenePlan& plan) {
   decide(rotary, "rotary inertia", "a material with rotary_inertia > 0", "rotary_inertia is 0 everywhere");
   decide(!fem.planes.empty(), "plane contact", "colliders: barrier and step limit per node",
          "no [[collider]]: no barrier, no step limit");
-  decide(std::any_of(fem.planes.begin(), fem.planes.end(), [](const auto& plane) { return plane.friction > 0.0; }),
-         "friction", "a collider with friction > 0", "no collider has friction");
+  const auto rubs = [](const auto& collider) { return collider.friction > 0.0; };
+  const bool bodies_rub = fem.contact && (fem.contact->friction.at_rest > 0.0 || !fem.contact->pairs.empty());
+  decide(std::any_of(fem.planes.begin(), fem.planes.end(), rubs) ||
+             std::any_of(fem.obstacles.begin(), fem.obstacles.end(), rubs) || bodies_rub,
+         "friction", "a collider or [contact] with friction > 0", "no friction on colliders or between bodies");
   decide(!fem.fixed.empty(), "held nodes", "[[fixed]]: their dofs are taken out of the system", "no [[fixed]]");
   decide(!fem.obstacles.empty(), "collider contact",
          "colliders other than planes: barrier between surfaces, steps limited by continuous collision detection",

@@ -10,15 +10,15 @@ constexpr std::int32_t LEAF_SIZE = 4;
 
 } // namespace
 
-void BoxTree::build(const std::vector<Box>& boxes) {
+void BoxTree::build(const std::vector<Box>& boxes, std::size_t begin, std::size_t end) {
   m_nodes.clear();
-  m_members.resize(boxes.size());
-  std::iota(m_members.begin(), m_members.end(), 0);
-  if (boxes.empty())
+  m_members.resize(end - begin);
+  std::iota(m_members.begin(), m_members.end(), static_cast<std::int32_t>(begin));
+  m_leaf_boxes.resize(m_members.size());
+  if (m_members.empty())
     return;
-  build_node(boxes, 0, static_cast<std::int32_t>(boxes.size()));
-  m_leaf_boxes.resize(boxes.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i)
+  build_node(boxes, 0, static_cast<std::int32_t>(m_members.size()));
+  for (std::size_t i = 0; i < m_members.size(); ++i)
     m_leaf_boxes[i] = boxes[m_members[i]];
 }
 

@@ -35,7 +35,9 @@ struct Box {
 /// between builds.
 class BoxTree {
 public:
-  void build(const std::vector<Box>& boxes);
+  /// Of the boxes [begin, end); queries name them by their place in the whole list.
+  void build(const std::vector<Box>& boxes, std::size_t begin, std::size_t end);
+  void build(const std::vector<Box>& boxes) { build(boxes, 0, boxes.size()); }
 
   /// Calls visit(index) for every box that meets the query, in an order that depends on the boxes only.
   template <class Visit> void query(const Box& box, const Visit& visit) const {

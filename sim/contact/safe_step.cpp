@@ -58,52 +58,70 @@ private:
   SafeStep m_best;
 };
 
-/// Whether a pair stays apart along some axis all the way, with a hair's breadth between; each side has `first` points.
+/// Whether a pair, seen from its first point, stays apart along some axis all the way with more than `keep` between;
+/// one side has `first` points.
 bool apart_all_the_way(const PairPoints& from, const PairPoints& to, int first, double keep) {
+  const Eigen::RowVector3d way = to.row(0) - from.row(0);
   for (int i = 0; i < 3; ++i) {
     double low[2] = {1e300, 1e300};
     double high[2] = {-1e300, -1e300};
     for (int k = 0; k < 4; ++k) {
       const int side = k < first ? 0 : 1;
-      low[side] = std::min({low[side], from(k, i), to(k, i)});
-      high[side] = std::max({high[side], from(k, i), to(k, i)});
+      const double end = to(k, i) - way[i];
+      low[side] = std::min({low[side], from(k, i), end});
+      high[side] = std::max({high[side], from(k, i), end});
     }
-    const double gap = std::max(low[0] - high[1], low[1] - high[0]);
-    if (gap > keep)
+    if (std::max(low[0] - high[1], low[1] - high[0]) > keep)
       return true;
   }
   return false;
 }
 
 /// How much nearer a pair can come at most: the largest difference of the ways of its points.
-double most_approach(const PairPoints& from, const PairPoints& to, int first) {
-  const PairPoints way = to - from;
+double most_approach(const PairPoints& ways, int first) {
   double most = 0.0;
   for (int a = 0; a < first; ++a) {
     for (int b = first; b < 4; ++b)
-      most = std::max(most, (way.row(a) - way.row(b)).squaredNorm());
+      most = std::max(most, (ways.row(a) - ways.row(b)).squaredNorm());
   }
   return std::sqrt(most);
 }
 
+PairPoints gather(const Points& x, const std::array<std::int32_t, 4>& nodes) {
+  PairPoints points;
+  for (int k = 0; k < 4; ++k)
+    points.row(k) = x.row(nodes[static_cast<std::size_t>(k)]);
+  return points;
+}
+
+/// A motion, and the ways to its ends from where the candidates' distances were measured.
+struct Motion {
+  const Points& from;
+  const Points& to;
+  Ways from_measured, to_measured;
+};
+
 SafeStep ask_range(const std::vector<CandidatePair>& pairs, PairKind kind, std::size_t begin, std::size_t end,
-                   const Points& from, const Points& to, const KeptDistance& keep, const CcdTable& table) {
+                   const Motion& motion, const KeptDistance& keep, const CcdTable& table) {
   Asker asker(kind, table);
   const int first = kind == PairKind::edge_edge ? 2 : 1;
+  const double most_kept = std::max(keep.share * keep.reach, keep.least);
   for (std::size_t index = begin; index < end; ++index) {
     const CandidatePair& pair = pairs[index];
-    PairPoints start;
-    PairPoints stop;
-    for (int k = 0; k < 4; ++k) {
-      start.row(k) = from.row(pair.nodes[static_cast<std::size_t>(k)]);
-      stop.row(k) = to.row(pair.nodes[static_cast<std::size_t>(k)]);
-    }
+    // Most pairs move along with each other, and are near where they were measured.
+    const double spare = pair.apart - most_kept;
+    if (motion.from_measured.are_below(kind, pair.nodes, spare) &&
+        motion.to_measured.are_below(kind, pair.nodes, spare))
+      continue;
+    const PairPoints start = gather(motion.from, pair.nodes);
+    const PairPoints stop = gather(motion.to, pair.nodes);
+    // `least` once more for what rounding the differences does.
+    if (apart_all_the_way(start, stop, first, most_kept + keep.least))
+      continue;
     const double distance = std::sqrt(squared_distance(kind, start));
     const double kept = std::max(keep.share * std::min(keep.reach, distance), keep.least);
-    // Most pairs move along with each other. Half of the distance: it is not a proven bound itself.
-    if (0.5 * distance - most_approach(start, stop, first) > kept)
-      continue;
-    if (!apart_all_the_way(start, stop, first, kept))
+    // Half of a distance: it is not a proven bound itself.
+    if (0.5 * distance - most_approach(stop - start, first) <= kept)
       asker.add(start, stop, kept, pair.nodes);
   }
   return asker.finish();
@@ -114,15 +132,23 @@ SafeStep ask_range(const std::vector<CandidatePair>& pairs, PairKind kind, std::
 SafeStep find_safe_step(const BroadPhase& candidates, const Points& from, const Points& to, const KeptDistance& keep,
                         const CcdTable& table, const Threads& threads) {
   SafeStep best;
-  for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
-    const std::vector<CandidatePair>& pairs = candidates.pairs(kind);
-    std::vector<SafeStep> chunks((pairs.size() + GRAIN - 1) / GRAIN);
-    threads.for_chunks(pairs.size(), GRAIN, [&](std::size_t begin, std::size_t end) {
-      chunks[begin / GRAIN] = ask_range(pairs, kind, begin, end, from, to, keep, table);
-    });
-    for (const SafeStep& chunk : chunks) {
-      if (chunk.fraction < best.fraction)
-        best = chunk;
+  for (const PairGroup group : PAIR_GROUPS) {
+    if (candidates.pairs(group, PairKind::point_triangle).empty() &&
+        candidates.pairs(group, PairKind::edge_edge).empty())
+      continue;
+    Motion motion{from, to, {}, {}};
+    candidates.measure_ways(group, from, motion.from_measured);
+    candidates.measure_ways(group, to, motion.to_measured);
+    for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
+      const std::vector<CandidatePair>& pairs = candidates.pairs(group, kind);
+      std::vector<SafeStep> chunks((pairs.size() + GRAIN - 1) / GRAIN);
+      threads.for_chunks(pairs.size(), GRAIN, [&](std::size_t begin, std::size_t end) {
+        chunks[begin / GRAIN] = ask_range(pairs, kind, begin, end, motion, keep, table);
+      });
+      for (const SafeStep& chunk : chunks) {
+        if (chunk.fraction < best.fraction)
+          best = chunk;
+      }
     }
   }
   return best;

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "sim/contact/crossings.h"
-#include "sim/geometry/tet_mesh.h"
 
 namespace wry::fem {
 
@@ -16,12 +15,15 @@ namespace {
 using contact::CandidatePair;
 using contact::PairKind;
 
-/// An iteration may not use up more than nine tenths of any gap.
-constexpr double KEPT_SHARE = 0.1;
+/// An iteration may not use up more than this leaves of any gap: Newton comes out of a deep barrier slowly.
+constexpr double KEPT_SHARE = 0.3;
 /// Gaps below this many units in the last place of the positions could be closed by rounding the positions alone.
 constexpr double ROUNDING_UNITS = 32.0;
 /// Pairs of one body that are near each other at rest feel each other only below this share of their rest distance.
 constexpr double REST_SHARE = 0.5;
+/// Nodes get this share of the mean edge to move in before candidates are searched again: a search costs as much as
+/// looking through some twenty lists, and longer lists are not much longer.
+constexpr double ROOM_SHARE = 0.25;
 constexpr std::size_t GRAIN = 2048;
 
 class Stopwatch {
@@ -39,6 +41,20 @@ private:
   double& m_milliseconds;
   std::chrono::steady_clock::time_point m_start;
 };
+
+/// The triangles of a body by its nodes, near to each other in memory where they are near in space.
+std::vector<contact::Surface::Triangle> surface_of(const FemBody& body, const OrderedMesh& ordered) {
+  std::vector<contact::Surface::Triangle> rows;
+  const Triangles triangles = surface_triangles(body);
+  for (Eigen::Index i = 0; i < triangles.rows(); ++i) {
+    contact::Surface::Triangle row;
+    for (int k = 0; k < 3; ++k)
+      row[static_cast<std::size_t>(k)] = ordered.node_of_vertex[triangles(i, k)];
+    rows.push_back(row);
+  }
+  std::sort(rows.begin(), rows.end());
+  return rows;
+}
 
 std::vector<contact::Surface::Triangle> rows_of(const Triangles& triangles) {
   std::vector<contact::Surface::Triangle> rows;
@@ -100,7 +116,7 @@ Result<std::unique_ptr<ContactSystem>> ContactSystem::create(const FemPlan& plan
 Status ContactSystem::add_parts() {
   const FemModel& model = m_scene.model;
   for (std::size_t i = 0; i < model.bodies.size(); ++i)
-    m_surface.add_part(model.bodies[i].node_count, rows_of(geometry::boundary_triangles(m_scene.meshes[i].mesh)));
+    m_surface.add_part(model.bodies[i].node_count, surface_of(m_plan.bodies[i], m_scene.meshes[i]));
   double edge = std::numeric_limits<double>::infinity();
   for (const double length : m_scene.edges)
     edge = std::min(edge, length);
@@ -144,8 +160,15 @@ Status ContactSystem::add_parts() {
   m_edge_squares.reserve(m_surface.edges().size());
   for (const contact::Surface::Edge& e : m_surface.edges())
     m_edge_squares.push_back((m_rest.row(e[1]) - m_rest.row(e[0])).squaredNorm());
-  const std::size_t most = std::max<std::size_t>(4'000'000, 64 * m_surface.edges().size());
-  m_broad_phase = std::make_unique<contact::BroadPhase>(m_surface, m_threads, most);
+  double length = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < m_edge_squares.size() && is_unknown(m_surface.edges()[i][0]); ++i, ++count)
+    length += std::sqrt(m_edge_squares[i]);
+  m_room = std::max(m_distance, ROOM_SHARE * length / static_cast<double>(std::max<std::size_t>(count, 1)));
+  const std::size_t most = std::max<std::size_t>(500'000, 64 * m_surface.edges().size());
+  m_broad_phase = std::make_unique<contact::BroadPhase>(
+      m_surface, m_threads, most,
+      [this](PairKind kind, const std::array<std::int32_t, 4>& nodes) { return rest_limit(kind, nodes); });
   return {};
 }
 
@@ -281,7 +304,7 @@ const std::vector<ContactPair>& ContactSystem::pairs_at(const Points& positions)
   const Stopwatch watch(m_cost.search_ms);
   all_positions(positions);
   // Without room to move the lists are as short as they can be: what does not fit then is no scene to simulate.
-  if (!m_broad_phase->cover(m_all, m_all, m_distance, m_distance))
+  if (!m_broad_phase->cover(m_all, m_all, m_distance, m_room))
     m_broad_phase->cover(m_all, m_all, m_distance, 0.0);
   update_pairs();
   m_pairs_at = positions;
@@ -290,38 +313,50 @@ const std::vector<ContactPair>& ContactSystem::pairs_at(const Points& positions)
 
 void ContactSystem::update_pairs() {
   m_pairs.clear();
-  for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
-    const std::vector<CandidatePair>& candidates = m_broad_phase->pairs(kind);
-    const int first = kind == PairKind::edge_edge ? 2 : 1;
-    const std::size_t chunk_count = (candidates.size() + GRAIN - 1) / GRAIN;
-    m_chunks.resize(std::max(m_chunks.size(), chunk_count));
-    m_threads.for_chunks(candidates.size(), GRAIN, [&](std::size_t begin, std::size_t end) {
-      std::vector<ContactPair>& out = m_chunks[begin / GRAIN];
-      out.clear();
-      for (std::size_t i = begin; i < end; ++i) {
-        const CandidatePair& candidate = candidates[i];
-        if (box_distance_squared(m_all, candidate.nodes, first) >= m_distance * m_distance)
-          continue;
-        const double squared = contact::squared_distance(kind, gather(m_all, candidate.nodes));
-        if (squared >= m_distance * m_distance)
-          continue;
-        ContactPair pair{kind, candidate.nodes, {}, m_distance, 0.0};
-        pair.parts[0] = m_surface.part_of_node(candidate.nodes[0]);
-        pair.parts[1] = m_surface.part_of_node(candidate.nodes[3]);
-        if (pair.parts[0] == pair.parts[1]) {
-          pair.activation = std::min(m_distance, rest_limit(kind, candidate.nodes));
-          if (squared >= pair.activation * pair.activation)
-            continue;
-        }
-        if (kind == PairKind::edge_edge)
-          pair.mollifier_threshold =
-              contact::mollifier_threshold(m_edge_squares[candidate.first], m_edge_squares[candidate.second]);
-        out.push_back(pair);
-      }
-    });
-    for (std::size_t chunk = 0; chunk < chunk_count; ++chunk)
-      m_pairs.insert(m_pairs.end(), m_chunks[chunk].begin(), m_chunks[chunk].end());
+  for (const contact::PairGroup group : contact::PAIR_GROUPS) {
+    if (m_broad_phase->pairs(group, PairKind::point_triangle).empty() &&
+        m_broad_phase->pairs(group, PairKind::edge_edge).empty())
+      continue;
+    m_broad_phase->measure_ways(group, m_all, m_since_measured);
+    for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge})
+      add_near_pairs(group, kind);
   }
+}
+
+void ContactSystem::add_near_pairs(contact::PairGroup group, PairKind kind) {
+  const std::vector<CandidatePair>& candidates = m_broad_phase->pairs(group, kind);
+  const int first = kind == PairKind::edge_edge ? 2 : 1;
+  const std::size_t chunk_count = (candidates.size() + GRAIN - 1) / GRAIN;
+  m_chunks.resize(std::max(m_chunks.size(), chunk_count));
+  m_threads.for_chunks(candidates.size(), GRAIN, [&](std::size_t begin, std::size_t end) {
+    std::vector<ContactPair>& out = m_chunks[begin / GRAIN];
+    out.clear();
+    for (std::size_t i = begin; i < end; ++i) {
+      const CandidatePair& candidate = candidates[i];
+      const double reach = candidate.reach;
+      if (m_since_measured.are_below(kind, candidate.nodes, candidate.apart - reach))
+        continue;
+      if (box_distance_squared(m_all, candidate.nodes, first) >= reach * reach)
+        continue;
+      const double squared = contact::squared_distance(kind, gather(m_all, candidate.nodes));
+      if (squared >= reach * reach)
+        continue;
+      ContactPair pair{kind, candidate.nodes, {}, m_distance, 0.0};
+      pair.parts[0] = m_surface.part_of_node(candidate.nodes[0]);
+      pair.parts[1] = m_surface.part_of_node(candidate.nodes[3]);
+      if (group == contact::PairGroup::within_parts) {
+        pair.activation = std::min(m_distance, rest_limit(kind, candidate.nodes));
+        if (squared >= pair.activation * pair.activation)
+          continue;
+      }
+      if (kind == PairKind::edge_edge)
+        pair.mollifier_threshold =
+            contact::mollifier_threshold(m_edge_squares[candidate.first], m_edge_squares[candidate.second]);
+      out.push_back(pair);
+    }
+  });
+  for (std::size_t chunk = 0; chunk < chunk_count; ++chunk)
+    m_pairs.insert(m_pairs.end(), m_chunks[chunk].begin(), m_chunks[chunk].end());
 }
 
 contact::PairPoints ContactSystem::points_of(const ContactPair& pair) const {
@@ -353,7 +388,7 @@ double ContactSystem::safe_fraction(const Points& from, const Points& to) {
   Points end = to;
   {
     const Stopwatch watch(m_cost.search_ms);
-    while (!m_broad_phase->cover(from, end, m_distance, m_distance)) {
+    while (!m_broad_phase->cover(from, end, m_distance, m_room)) {
       part *= 0.5; // too many pairs come into reach: go a shorter way
       end = from + part * (to - from);
       if (part < 1e-6)
@@ -419,7 +454,7 @@ ContactSystem::Cost ContactSystem::take_cost() {
 }
 
 std::size_t ContactSystem::candidate_count() const {
-  return m_broad_phase->point_triangles().size() + m_broad_phase->edge_edges().size();
+  return m_broad_phase->pair_count();
 }
 
 std::size_t ContactSystem::memory_bytes() const {

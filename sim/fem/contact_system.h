@@ -99,12 +99,14 @@ private:
   void pose_obstacles(double time, Points& out) const;
   const Points& all_positions(const Points& positions);
   void update_pairs();
+  void add_near_pairs(contact::PairGroup group, contact::PairKind kind);
   double rest_limit(contact::PairKind kind, const std::array<std::int32_t, 4>& nodes) const;
   double safe_fraction(const Points& from, const Points& to);
 
   const FemPlan& m_plan;
   const FemScene& m_scene;
   double m_distance;
+  double m_room = 0.0; ///< that nodes get before candidates are searched again [m]
   const Threads& m_threads;
   contact::CcdTable m_ccd;
   int m_unknown_nodes = 0;
@@ -121,7 +123,8 @@ private:
   std::vector<Friction> m_friction;   ///< parts x parts
   std::vector<ContactPair> m_pairs;
   std::vector<std::vector<ContactPair>> m_chunks;
-  Points m_pairs_at; ///< where the pairs hold
+  Points m_pairs_at;              ///< where the pairs hold
+  contact::Ways m_since_measured; ///< ways of all nodes since the candidates' distances were measured
   contact::SafeStep m_last_limit;
   Cost m_cost;
 };

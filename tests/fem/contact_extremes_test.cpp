@@ -171,5 +171,59 @@ TEST(ContactExtremes, AMeshThatJumpsThroughABodyPushesItOrStopsTheRun) {
   }
 }
 
+scene::Collider moving_plate(const std::string& name, double height, double way) {
+  scene::Collider plate;
+  plate.name = name;
+  plate.shape = scene::BoxObstacle{Vec3(0.05, height, 0.05), Mat3::Identity(), Vec3(0.4, 0.02, 0.4)};
+  plate.friction = 0.0;
+  plate.motion = *scene::Motion::along_keys({{{0.0, Vec3::Zero(), Vec3::UnitY(), 0.0},
+                                              {1.0, Vec3(0, way, 0), Vec3::UnitY(), 0.0},
+                                              {1.2, Vec3(0, 1.1 * way, 0), Vec3::UnitY(), 0.0}},
+                                             Vec3::Zero()});
+  return plate;
+}
+
+TEST(ContactExtremes, ABoxIsSqueezedToAHundredthAndTheRunStopsBeforeThePlatesCross) {
+  FemPlan plan;
+  plan.gravity.setZero();
+  plan.bodies.push_back(box_body("box", Vec3(0, 0, 0), Vec3(0.1, 0.1, 0.1), {2, 2, 2}, 1e5));
+  // Faces at -0.002 and 0.102 that come to 0.001 of each other, and would then pass.
+  plan.obstacles.push_back(moving_plate("lower", -0.012, 0.0515));
+  plan.obstacles.push_back(moving_plate("upper", 0.112, -0.0515));
+  plan.settings.max_time_step = 0.02;
+  plan.settings.contact_distance = 2e-4;
+  plan.settings.min_time_step = 1e-5;
+  const Outcome outcome = run_and_check(plan, 1.2);
+  EXPECT_EQ(outcome.intersection, "");
+  EXPECT_GT(outcome.reached, 0.999);
+  EXPECT_LT(outcome.reached, 1.1);
+  EXPECT_GT(outcome.least_gap, 0.0);
+  EXPECT_NE(outcome.error.find("last good state is kept"), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find("er'"), std::string::npos) << outcome.error; // 'lower' or 'upper'
+}
+
+TEST(ContactExtremes, ADriveThatLeadsThroughAnObstacleStopsTheRunAndSaysSo) {
+  FemPlan plan;
+  plan.gravity.setZero();
+  plan.bodies.push_back(box_body("box", Vec3(0, 0, 0), Vec3(0.1, 0.1, 0.1), {2, 2, 2}, 1e5));
+  scene::Collider wall;
+  wall.name = "wall";
+  wall.shape = scene::BoxObstacle{Vec3(0.2, 0.05, 0.05), Mat3::Identity(), Vec3(0.02, 0.3, 0.3)};
+  plan.obstacles.push_back(wall);
+  DrivenNodes drive;
+  drive.name = "push";
+  drive.nodes = vertices_at(*plan.bodies[0].mesh, 0, 0.1); // the side that meets the wall
+  drive.motion = *scene::Motion::along_keys(
+      {{{0.0, Vec3::Zero(), Vec3::UnitY(), 0.0}, {0.1, Vec3(0.3, 0, 0), Vec3::UnitY(), 0.0}}, Vec3::Zero()});
+  plan.driven.push_back(drive);
+  plan.settings.min_time_step = 1e-4;
+  const Outcome outcome = run_and_check(plan, 0.1);
+  EXPECT_NE(outcome.error.find("a drive leads through an obstacle"), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find("last good state is kept"), std::string::npos) << outcome.error;
+  // 0.09 m of way at 3 m/s before the wall.
+  EXPECT_GT(outcome.reached, 0.028);
+  EXPECT_LT(outcome.reached, 0.0301);
+}
+
 } // namespace
 } // namespace wry::fem

@@ -93,6 +93,7 @@ TEST(PairContact, ABlockOnASlabOfATangentOfAHalfSlidesAndSticksByCoulomb) {
   EXPECT_NEAR(speed_gained({0.49, 0.49}, 0.0), expected(0.49), 0.01);
   EXPECT_NEAR(speed_gained({0.5, 0.5}, 0.0), 0.0, 2e-3);
   EXPECT_NEAR(speed_gained({1.0, 1.0}, 0.0), 0.0, 1e-3);
+  EXPECT_NEAR(speed_gained({10.0, 10.0}, 0.0), 0.0, 1e-3);
 }
 
 TEST(PairContact, WhatRestsHoldsByTheFrictionAtRestAndWhatSlidesByTheSlidingOne) {

@@ -18,6 +18,8 @@ using contact::PairDistance;
 using contact::PairPoints;
 
 constexpr std::size_t GRAIN = 256;
+/// Pairs that moved by less than this share of their distance since the last Hessian keep theirs as it is.
+constexpr double SETTLED_SHARE = 0.2;
 
 /// Adds a pair's derivative by positions to the gradient.
 void scatter(const ContactSystem& system, const DofLayout& layout, const ContactPair& pair, const Gradient& derivative,
@@ -121,7 +123,11 @@ public:
 
   std::string_view name() const override { return "pair_barrier"; }
 
-  void begin_step(const Stage& stage, const Points&) override { m_system.begin_step(stage.start_time, stage.time); }
+  void begin_step(const Stage& stage, const Points&) override {
+    m_system.begin_step(stage.start_time, stage.time);
+    m_assembled_at.resize(0, 3);
+    m_settled_share = SETTLED_SHARE;
+  }
   double advance_prescribed(const Trial& trial) override { return m_system.advance_obstacles(trial.positions); }
 
   double energy(const Stage&, const Trial& trial) const override {
@@ -161,16 +167,23 @@ public:
 
   int add_hessian(const Stage& stage, const Trial& trial, Projection projection, BlockMatrix& matrix) const override {
     const std::vector<ContactPair>& pairs = m_system.pairs_at(trial.positions);
+    const bool first = m_assembled_at.rows() == 0;
+    if (projection != Projection::contacts) // what was left as it is may have been to blame
+      m_settled_share *= 0.5;
     constexpr std::size_t RUN = 16 * GRAIN; // bounds the memory
     m_hessians.resize(std::min(pairs.size(), RUN));
     for (std::size_t start = 0; start < pairs.size(); start += RUN) {
       const std::size_t count = std::min(RUN, pairs.size() - start);
       m_threads.for_each(count, 64, [&](std::size_t i) {
-        m_hessians[i] = hessian_of(pairs[start + i], m_system.points_of(pairs[start + i]), projection);
+        const ContactPair& pair = pairs[start + i];
+        const bool exact = projection == Projection::contacts && !first && is_settled(pair, trial.positions);
+        m_hessians[i] = hessian_of(pair, m_system.points_of(pair), exact ? Projection::none : projection);
       });
       for (std::size_t i = 0; i < count; ++i)
         scatter(m_system, pairs[start + i], m_hessians[i], stage.beta * stage.beta, matrix);
     }
+    if (!pairs.empty())
+      m_assembled_at = trial.positions;
     return 0;
   }
 
@@ -187,6 +200,20 @@ private:
     if (pair.mollifier_threshold == 0.0)
       return {};
     return contact::evaluate_mollifier(contact::cross_squared(points), pair.mollifier_threshold);
+  }
+
+  /// Cutting off negative eigenvalues makes the first iterations safe and the last ones slow: Newton would close in by
+  /// a constant factor only. Near the minimum the whole matrix is positive definite without; where it is not, the
+  /// solver says so and asks for a projection.
+  bool is_settled(const ContactPair& pair, const Points& positions) const {
+    const PairPoints points = m_system.points_of(pair);
+    const PairPoints way = m_system.way_of(pair, positions, m_assembled_at);
+    double most = 0.0;
+    for (int a = 0; a < 4; ++a) {
+      for (int b = a + 1; b < 4; ++b)
+        most = std::max(most, (way.row(a) - way.row(b)).squaredNorm());
+    }
+    return most < m_settled_share * m_settled_share * contact::squared_distance(pair.kind, points);
   }
 
   Hessian hessian_of(const ContactPair& contact, const PairPoints& points, Projection projection) const {
@@ -209,6 +236,8 @@ private:
   const Threads& m_threads;
   mutable std::vector<Gradient> m_gradients;
   mutable std::vector<Hessian> m_hessians;
+  mutable double m_settled_share = SETTLED_SHARE;
+  mutable Points m_assembled_at; ///< of the step's last Hessian; without rows before the first
 };
 
 /// D = mu lambda f0(|u|) with u the tangential way of the nearest points relative to each other in the step; lambda,
