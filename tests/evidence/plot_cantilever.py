@@ -28,8 +28,6 @@ def main():
     draw("interpolation", "Largest error of interpolated rotations", "degrees",
          {"rotation vectors": curve("vector_error_deg"), "interpolated velocities": curve("velocity_error_deg"),
           "quaternion blend": curve("blend_error_deg")})
-    draw("bow", "Sideways bow of the middle", "mm",
-         {"along y": curve("bow_y", 1000.0), "along z": curve("bow_z", 1000.0)})
 
 
 if __name__ == "__main__":
