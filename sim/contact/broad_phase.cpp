@@ -12,8 +12,11 @@ namespace wry::contact {
 namespace {
 
 constexpr std::size_t GRAIN = 128;
-/// Rooms go on beyond the end of a way by as much again, at most by this many margins: the next step goes there.
+/// Rooms go on beyond the end of a way by this many times as much, where the next steps go, at most by so many margins.
+constexpr double STEPS_AHEAD = 2.0;
 constexpr double AHEAD = 2.0;
+/// Ways longer than so many margins are long.
+constexpr double LONG_WAY = 4.0;
 /// Half the side of small boxes, as a share of the distance.
 constexpr double SMALL_ROOM = 0.25;
 constexpr std::size_t PICK_GRAIN = 2048;
@@ -138,6 +141,18 @@ bool BroadPhase::hold(const std::vector<Box>& rooms, PairGroup group, const Poin
   return hold(rooms, to, middles_of(to, group)) && (&from == &to || hold(rooms, from, middles_of(from, group)));
 }
 
+double BroadPhase::longest_way(const Points& from, const Points& to, PairGroup group) const {
+  if (&from == &to)
+    return 0.0;
+  const Points flown = middles_of(to, group) - middles_of(from, group);
+  double longest = 0.0;
+  for (const std::int32_t node : m_surface.points()) {
+    const Eigen::RowVector3d way = to.row(node) - from.row(node) - flown.row(m_surface.part_of_node(node));
+    longest = std::max(longest, way.cwiseAbs().maxCoeff());
+  }
+  return longest;
+}
+
 void BroadPhase::give_rooms(const Points& from, const Points& to, PairGroup group, double margin) {
   const Points from_middles = middles_of(from, group);
   const Points to_middles = middles_of(to, group);
@@ -150,7 +165,7 @@ void BroadPhase::give_rooms(const Points& from, const Points& to, PairGroup grou
       const double b = to(node, i) - to_middles(part, i);
       // Those that move fast change their way by more.
       const double spare = margin + 0.1 * std::abs(b - a);
-      const double beyond = b + std::clamp(b - a, -AHEAD * margin, AHEAD * margin);
+      const double beyond = b + std::clamp(STEPS_AHEAD * (b - a), -AHEAD * margin, AHEAD * margin);
       rooms[node].low[i] = std::min(a, beyond) - spare;
       rooms[node].high[i] = std::max(a, beyond) + spare;
     }
@@ -164,9 +179,16 @@ bool BroadPhase::cover(const Points& from, const Points& to, double distance, do
     Lists& lists = m_lists[static_cast<std::size_t>(group)];
     if (!lists.needed)
       continue;
-    if (!lists.valid || distance > lists.distance || !hold(lists.rooms, group, from, to)) {
+    // Lists for long ways are always made anew, so that whether they fit depends on these ways alone and not on what
+    // was searched before: a run that is resumed must take the same steps. For short ways they are too long to look
+    // through.
+    const double way = longest_way(from, to, group);
+    const bool anew = way > LONG_WAY * margin ||
+                      (&from != &to && lists.longest_way > LONG_WAY * margin && way < 0.25 * lists.longest_way);
+    if (!lists.valid || anew || distance > lists.distance || !hold(lists.rooms, group, from, to)) {
       searched = true;
       give_rooms(from, to, group, margin);
+      lists.longest_way = way;
       lists.distance = distance;
       lists.measured_at = from;
       lists.picked = false;
@@ -348,7 +370,7 @@ bool BroadPhase::search(PairGroup group, double distance) {
   const std::vector<std::int32_t>& points = m_surface.points();
   build_trees(lists.rooms);
   find_partners(group, distance);
-  const bool fits = collect(points.size(), lists, PairKind::point_triangle, m_most_pairs - pair_count(),
+  const bool fits = collect(points.size(), lists, PairKind::point_triangle, m_most_pairs - lists.pairs[0].size(),
                             [&](std::int32_t i, std::vector<CandidatePair>& out) {
                               Box box = lists.rooms[points[i]];
                               box.grow(distance);
@@ -360,7 +382,7 @@ bool BroadPhase::search(PairGroup group, double distance) {
                               for (const int other : m_partners[m_surface.part_of_node(points[i])])
                                 m_triangle_trees[other].query(box, take);
                             });
-  return fits && collect(edges.size(), lists, PairKind::edge_edge, m_most_pairs - pair_count(),
+  return fits && collect(edges.size(), lists, PairKind::edge_edge, m_most_pairs - lists.pairs[0].size(),
                          [&](std::int32_t i, std::vector<CandidatePair>& out) {
                            Box box = m_edge_boxes[i];
                            box.grow(distance);

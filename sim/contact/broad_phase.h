@@ -35,7 +35,7 @@ using ReachFunction = std::function<double(PairKind, const std::array<std::int32
 /// the rooms: Newton's iterations share one search. Rooms for pairs within a part move along with the middle of the
 /// part, so that a body which flies keeps its list. Of these lists, those pairs are picked out that can come within
 /// the distance while all nodes are about as far along their ways. Lists are the same on any number of threads; at most
-/// `most_pairs` are kept.
+/// `most_pairs` are kept of each group.
 class BroadPhase {
 public:
   /// `reach_within` may be empty: the distance, then.
@@ -60,7 +60,8 @@ private:
     double distance = -1.0;
     bool needed = false; ///< some parts may meet so
     bool valid = false;
-    std::vector<Box> rooms; ///< per node of the surface, relative to `middles_of` its part
+    double longest_way = 0.0; ///< of a node, for which the rooms were made
+    std::vector<Box> rooms;   ///< per node of the surface, relative to `middles_of` its part
     Points measured_at;
     std::array<std::vector<CandidatePair>, 2> pairs; ///< by kind
     bool picked = false;
@@ -72,6 +73,7 @@ private:
   Points middles_of(const Points& positions, PairGroup group) const;
   bool hold(const std::vector<Box>& rooms, PairGroup group, const Points& from, const Points& to) const;
   bool hold(const std::vector<Box>& rooms, const Points& positions, const Points& middles) const;
+  double longest_way(const Points& from, const Points& to, PairGroup group) const;
   void give_rooms(const Points& from, const Points& to, PairGroup group, double margin);
   void pick(const Points& from, const Points& to, PairGroup group);
   bool is_picked_for(const Lists& lists, const Points& positions, const Points& middles) const;

@@ -116,6 +116,21 @@ TEST(BroadPhase, IsReusedWhileNodesKeepTheirRooms) {
   EXPECT_EQ(broad.searches(), 2);
 }
 
+TEST(BroadPhase, AListForALongWayIsMadeAnewForShortOnes) {
+  const Sheets sheets(2);
+  const Threads threads(1);
+  Points far = sheets.positions;
+  far.bottomRows(81).col(1).array() += 0.5;
+  Points near = sheets.positions;
+  near.bottomRows(81).col(1).array() += 0.001;
+  BroadPhase broad(sheets.surface, threads, 1'000'000);
+  ASSERT_TRUE(broad.cover(sheets.positions, far, 0.02, 0.01));
+  const std::size_t pairs = broad.pair_count();
+  ASSERT_TRUE(broad.cover(sheets.positions, near, 0.02, 0.01));
+  EXPECT_EQ(broad.searches(), 2);
+  EXPECT_LT(broad.pair_count(), pairs);
+}
+
 TEST(BroadPhase, KeepsTheListOfABodyThatFlies) {
   Sheets sheets(2);
   Surface alone;
