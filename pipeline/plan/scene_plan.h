@@ -44,8 +44,8 @@ struct CostEstimate {
   std::uint64_t bytes_per_checkpoint = 0;
   double seconds_per_step = 0.0;
   double newton_directions = 0.0; ///< linear systems of the whole shot
-  double steps = 0.0;     ///< of the whole shot
-  double time_step = 0.0; ///< the shorter of both methods' [s]
+  double steps = 0.0;             ///< of the whole shot
+  double time_step = 0.0;         ///< the shorter of both methods' [s]
 
   /// Frames, and the checkpoints that are there at a time.
   std::uint64_t disk_bytes(double frame_count) const {

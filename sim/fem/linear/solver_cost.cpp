@@ -61,8 +61,8 @@ SolverDecision choose_solver(const SolverDemand& demand) {
   decision.reason =
       fmt::format("{:.0f} unknowns, a wave crosses {:.1f} edges in a step{}: per direction about {:.1f} ms by "
                   "pcg ({:.0f} iterations), {:.1f} ms by a factor ({:.1f} Gflop), {:.1f} ms by a stale one",
-                  demand.unknowns, demand.wave_crossing, turns, 1e3 * pcg, iterations, 1e3 * direct, 1e-9 * demand.cost.flops,
-                  1e3 * stale);
+                  demand.unknowns, demand.wave_crossing, turns, 1e3 * pcg, iterations, 1e3 * direct,
+                  1e-9 * demand.cost.flops, 1e3 * stale);
   return decision;
 }
 
