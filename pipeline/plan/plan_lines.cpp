@@ -49,12 +49,13 @@ bool any_body(const ScenePlan& plan, bool (*holds)(const fem::FemMaterial&)) {
                      [&](const fem::FemBody& body) { return holds(body.material); });
 }
 
-// Measured on a 2-core AVX-512 server over the shipped shots: evaluation, assembly and solve of one Newton iteration
-// per tet, and how many iterations a step takes.
-constexpr double CLASSIC_SECONDS_PER_TET = 2.0e-6;
-constexpr double MICROPOLAR_SECONDS_PER_TET = 8.0e-6;
-constexpr double NEWTON_PER_STEP = 2.5;
-constexpr double NEWTON_PER_STEP_IN_CONTACT = 15.0; // with both passes of friction
+// Measured on a core with AVX2 (bench_fem_solver, shots/bunny.toml): evaluation and assembly of one Newton iteration
+// per tet, and how many iterations a step takes. What its linear system costs is the choice of the solver's to say.
+constexpr double CLASSIC_SECONDS_PER_TET = 0.2e-6;
+constexpr double MICROPOLAR_SECONDS_PER_TET = 0.6e-6;
+constexpr double CURVATURE_SECONDS_PER_TET = 0.7e-6; // beside the former
+constexpr double NEWTON_PER_STEP = 3.0;
+constexpr double NEWTON_PER_STEP_IN_CONTACT = 20.0; // with both passes of friction
 // Element data, two matrices and the vectors, per tet.
 constexpr std::uint64_t CLASSIC_BYTES_PER_TET = 1200;
 constexpr std::uint64_t MICROPOLAR_BYTES_PER_TET = 4500;
@@ -235,8 +236,10 @@ CostEstimate estimate_cost(const ScenePlan& plan) {
     cost.memory_bytes += body.tets * (micropolar ? MICROPOLAR_BYTES_PER_TET : CLASSIC_BYTES_PER_TET);
     cost.bytes_per_frame += body.nodes * (micropolar ? 64 : 36) + body.tets * 4;
     cost.bytes_per_checkpoint += body.nodes * (micropolar ? 128 : 48) + (micropolar ? body.tets * 128 : 0);
+    const bool curved = plan.sim.fem.bodies[i].material.curvature != fem::CurvatureModel::none;
     seconds_per_iteration +=
-        static_cast<double>(body.tets) * (micropolar ? MICROPOLAR_SECONDS_PER_TET : CLASSIC_SECONDS_PER_TET);
+        static_cast<double>(body.tets) * ((micropolar ? MICROPOLAR_SECONDS_PER_TET : CLASSIC_SECONDS_PER_TET) +
+                                          (curved ? CURVATURE_SECONDS_PER_TET : 0.0));
   }
   const fem::FemPlan& fem = plan.sim.fem;
   const bool touches = fem.contact || !fem.planes.empty() || !fem.obstacles.empty();

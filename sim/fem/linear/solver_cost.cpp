@@ -13,8 +13,8 @@ constexpr double FACTOR_FLOPS_PER_SECOND = 10e9;
 constexpr double FACTOR_ENTRIES_PER_SECOND = 120e6; // assembly of supernodes
 constexpr double SOLVE_ENTRIES_PER_SECOND = 0.4e9;
 constexpr double DOUBLE_ENTRIES_PER_SECOND = 3e9;
-constexpr double SINGLE_ENTRIES_PER_SECOND = 5e9;
-constexpr double VECTOR_UNKNOWNS_PER_SECOND = 0.6e9;
+constexpr double SINGLE_ENTRIES_PER_SECOND = 7e9;
+constexpr double VECTOR_UNKNOWNS_PER_SECOND = 1e9;
 
 /// Block-Jacobi iterations that one Newton direction (relative residual about 1e-3) takes.
 double expected_iterations(const SolverDemand& demand) {
