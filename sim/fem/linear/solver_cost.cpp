@@ -21,7 +21,7 @@ double expected_iterations(const SolverDemand& demand) {
   return 6.0 + 9.0 * std::min(std::max(demand.wave_crossing, demand.rotation_reach), 1.5 * demand.longest_path);
 }
 
-constexpr double STALE_ITERATIONS = 10.0; // 12 where a soft shell collapses, 5 where a bar is bent
+constexpr double STALE_ITERATIONS = 5.0;
 constexpr double SOLVES_PER_STALE_FACTOR = 20.0;
 
 } // namespace
