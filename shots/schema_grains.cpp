@@ -63,7 +63,7 @@ Field sub_particles_field() {
            .standard(6.0),
        integer("seed", between(0, 1e9), "Another number, another heap.").standard(1),
        number("escape_density", "", strictly_between(0.0, 1.0),
-              "Below this share of the material's density a grain flies by itself.")
+              "Below this share of the material's density, or a quarter of capture_density, a grain flies by itself.")
            .called("share")
            .standard(0.005),
        number("capture_density", "", strictly_between(0.0, 10.0),

@@ -42,7 +42,9 @@ Field fibre_field() {
   Section section;
   section.doc = "Where the material's local z, the fibre or a card's normal, points at the start.";
   const Field component =
-      plain("", Kind::expression, "A component of the direction: a number or a formula of X, Y, Z.").default_is("0");
+      plain("", Kind::expression,
+            "A component of the direction: a number or a formula of X, Y, Z and attributes of the body's mesh.")
+          .default_is("0");
   std::vector<Field> components;
   for (const char* axis : {"x", "y", "z"}) {
     Field field = component;
@@ -168,9 +170,11 @@ std::vector<Field> mpm_material_fields() {
           .called("strain")
           .standard(0.0025),
       plain("stiffness_scale", Kind::expression,
-            "A factor on all moduli of the material point method: a number or a formula of X, Y, Z.")
+            "A factor on all moduli of the material point method: a number or a formula of X, Y, Z and attributes of "
+            "the body's mesh.")
           .default_is("1"),
-      plain("strength_scale", Kind::expression, "A factor on the yield limit: a number or a formula of X, Y, Z.")
+      plain("strength_scale", Kind::expression,
+            "A factor on the yield limit: a number or a formula of X, Y, Z and attributes of the body's mesh.")
           .default_is("1"),
   };
 }

@@ -198,7 +198,8 @@ Section measure_section() {
            {"largest_fragment", "of particles: the part of them in the largest piece, touching within a cell", ""},
            {"grains_inside", "of sub_particles: how many have their centre inside a collider as it is drawn", ""},
            {"grain_hover",
-            "of sub_particles: greatest gap between one at rest, with no other beneath it, and the colliders [m]", ""}},
+            "of sub_particles: gap between those at rest, with no other beneath them, and the colliders, of 99 % [m]",
+            ""}},
           "What is measured.")
           .required(),
       reference("body", "body", "The name of a body.").default_is("the only body"),

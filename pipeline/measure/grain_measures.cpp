@@ -153,14 +153,18 @@ double grain_hover(const MeasurePlan& plan, const SceneStatic& scene, const Fram
   const DrawnColliders::At colliders(*plan.drawn_colliders, frame.time);
   const double length = sizes.rowwise().maxCoeff().mean();
   const GrainCells cells(positions, length);
-  double greatest = 0.0;
+  std::vector<double> gaps;
   for (Eigen::Index i = 0; i < positions.rows(); ++i) {
     if (velocities.row(i).norm() > STILL || cells.has_beneath(i, plan.up))
       continue;
     const double gap = colliders.distance(positions.row(i), 10.0 * length) - 0.5 * sizes.row(i).minCoeff();
-    greatest = std::max(greatest, std::min(gap, 10.0 * length));
+    gaps.push_back(std::clamp(gap, 0.0, 10.0 * length));
   }
-  return greatest;
+  if (gaps.empty())
+    return 0.0;
+  const auto most = gaps.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(gaps.size() - 1));
+  std::nth_element(gaps.begin(), most, gaps.end());
+  return *most;
 }
 
 } // namespace wry::pipeline

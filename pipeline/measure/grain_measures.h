@@ -25,8 +25,9 @@ private:
 /// How many of a body's grains have their centre inside a collider.
 double grains_inside(const MeasurePlan& plan, const SceneStatic& scene, const Frame& frame);
 
-/// Greatest gap below a grain at rest [m]: from its underside as it lies flat to the nearest collider, of grains that
-/// stand still and have no other grain within a grain's length beneath them.
+/// Gap below a grain at rest [m], from its underside as it lies flat to the nearest collider, that 99 % do not exceed
+/// of those that stand still and have no other grain within a grain's length beneath them. (At the top of a bounce one
+/// stands still, too.)
 double grain_hover(const MeasurePlan& plan, const SceneStatic& scene, const Frame& frame);
 
 } // namespace wry::pipeline

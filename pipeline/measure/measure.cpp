@@ -266,8 +266,8 @@ constexpr std::array MEASURE_FUNCTIONS = {
                     MeasuredOn::particles, largest_fragment},
     MeasureFunction{Kind::grains_inside, "grains_inside", "", "grains with their centre inside a collider",
                     MeasuredOn::particles, nullptr, grains_inside},
-    MeasureFunction{Kind::grain_hover, "grain_hover", "m", "greatest gap below a grain at rest", MeasuredOn::particles,
-                    nullptr, grain_hover},
+    MeasureFunction{Kind::grain_hover, "grain_hover", "m", "gap below grains at rest, of 99 % of them",
+                    MeasuredOn::particles, nullptr, grain_hover},
 };
 
 } // namespace

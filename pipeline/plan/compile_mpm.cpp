@@ -12,13 +12,13 @@
 #include "pipeline/plan/compile_collider.h"
 #include "pipeline/plan/compile_fem.h"
 #include "pipeline/plan/mesh_body.h"
+#include "pipeline/plan/particle_formulas.h"
 #include "sim/geometry/signed_distance.h"
 #include "sim/mpm/grains/sub_particles.h"
 #include "sim/mpm/matter/orientation.h"
 #include "sim/mpm/mpm_simulation.h"
 #include "sim/mpm/particle_sort.h"
 #include "sim/mpm/seeding.h"
-#include "sim/scene/expression.h"
 
 namespace wry::pipeline {
 
@@ -187,22 +187,6 @@ Space space_of(const shots::ParticleRegion& region) {
   return std::visit([](const auto& space) { return space_of(space); }, region.space);
 }
 
-/// A formula at one point of rest. Errors: bad_input with the key's line.
-Result<std::function<double(const Vec3&)>> formula(const shots::Located<shots::Expression>& expression) {
-  if (expression->constant)
-    return std::function<double(const Vec3&)>([value = *expression->constant](const Vec3&) { return value; });
-  Result<scene::Expression> compiled = scene::Expression::compile(expression->text);
-  if (!compiled)
-    return at_source(expression.source, compiled.error());
-  return std::function<double(const Vec3&)>(
-      [shared = std::make_shared<scene::Expression>(std::move(*compiled))](const Vec3& point) {
-        scene::ExpressionPoint at;
-        at.position = point;
-        const Result<double> value = shared->evaluate(at);
-        return value ? *value : std::numeric_limits<double>::quiet_NaN();
-      });
-}
-
 /// Right-handed axes, local z along the fibre, local x as near `across` as can be.
 Result<Mat3> axes_along(const Vec3& fibre, const std::optional<Vec3>& across) {
   const double length = fibre.norm();
@@ -251,6 +235,7 @@ private:
   const shots::Body& m_body;
   const mpm::MpmSettings& m_settings;
   double m_bytes = 0.0;
+  ParticleFormulas m_formulas; ///< once it is known what the body fills
   CompiledParticles m_made;
 };
 
@@ -263,6 +248,7 @@ Result<Space> ParticleCompiler::inside_of_shape() {
       geometry::SignedDistance::from_surface(placed->surface, 0.5 * m_settings.cell);
   if (!field)
     return located(field.error());
+  m_formulas = ParticleFormulas(placed->surface);
   m_made.assets = std::move(placed->assets);
   m_made.report.notes = std::move(placed->notes);
   return Space{field->low(), field->high(), [field = *field](const Vec3& point) { return field.is_inside(point); },
@@ -274,7 +260,7 @@ Result<Space> ParticleCompiler::space() {
     return inside_of_shape();
   Space space = space_of(*m_body.particles.region);
   if (m_body.particles.region->expression) {
-    Result<std::function<double(const Vec3&)>> value = formula(*m_body.particles.region->expression);
+    Result<ParticleFormula> value = m_formulas.compile(*m_body.particles.region->expression);
     if (!value)
       return value.error();
     space.inside = [inside = space.inside, value = std::move(*value)](const Vec3& point) {
@@ -331,12 +317,12 @@ Status ParticleCompiler::orient() {
     m_made.body.frame = *axes;
     return {};
   }
-  std::array<std::function<double(const Vec3&)>, 3> components;
+  std::array<ParticleFormula, 3> components;
   for (std::size_t i = 0; i < 3; ++i) {
     components[i] = [](const Vec3&) { return 0.0; };
     if (!(*fibre->expression)[i])
       continue;
-    Result<std::function<double(const Vec3&)>> component = formula(*(*fibre->expression)[i]);
+    Result<ParticleFormula> component = m_formulas.compile(*(*fibre->expression)[i]);
     if (!component)
       return component.error();
     components[i] = std::move(*component);
@@ -360,7 +346,7 @@ Status ParticleCompiler::scale(const std::optional<shots::Located<shots::Express
                                std::vector<double>& values) {
   if (!expression)
     return {};
-  const Result<std::function<double(const Vec3&)>> factor = formula(*expression);
+  const Result<ParticleFormula> factor = m_formulas.compile(*expression);
   if (!factor)
     return factor.error();
   const Points& positions = *m_made.body.positions;

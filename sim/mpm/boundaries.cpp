@@ -17,7 +17,20 @@ Vec3 node_position(const BlockCoord& coord, const Vec3& in_block, double cell) {
 }
 
 Result<scene::ColliderField> make_field(std::shared_ptr<const scene::Collider> collider, double cell) {
-  return scene::ColliderField::create(std::move(collider), {0.5 * cell, LEAST_WALL_CELLS * cell});
+  return scene::ColliderField::create(std::move(collider),
+                                      {0.5 * cell, LEAST_WALL_CELLS * cell, LEAST_SOLID_CELLS * cell});
+}
+
+/// A mesh exactly as it is drawn: what grains meet.
+Result<std::optional<scene::ColliderField>> drawn_field(const std::shared_ptr<const scene::Collider>& collider) {
+  if (!std::holds_alternative<scene::MeshObstacle>(collider->shape))
+    return std::optional<scene::ColliderField>();
+  scene::ColliderFieldSettings settings;
+  settings.closed_mesh = scene::MeshDistance::exact;
+  Result<scene::ColliderField> field = scene::ColliderField::create(collider, settings);
+  if (!field)
+    return field.error();
+  return std::optional<scene::ColliderField>(std::move(*field));
 }
 
 /// The walls of a container as solids that overlap where they meet, so that no wall has a face inside another one by
@@ -84,13 +97,21 @@ Vec3 contact_velocity(const Vec3& velocity, const Vec3& wall, const Vec3& normal
 Result<Boundaries> Boundaries::create(const MpmPlan& plan) {
   Boundaries made;
   made.m_cell = plan.settings.cell;
+  const bool has_grains = std::any_of(plan.bodies.begin(), plan.bodies.end(),
+                                      [](const MpmBody& body) { return body.sub_particles.has_value(); });
   for (const std::shared_ptr<const scene::Collider>& collider : plan.colliders) {
     for (const std::shared_ptr<const scene::Collider>& obstacle : obstacles_of(collider, made.m_cell)) {
       Result<scene::ColliderField> field = make_field(obstacle, made.m_cell);
       if (!field)
         return field.error();
       const bool is_plane = std::holds_alternative<scene::PlaneObstacle>(obstacle->shape);
-      made.m_obstacles.push_back({std::move(*field), {}, {}, !is_plane});
+      made.m_obstacles.push_back({std::move(*field), std::nullopt, {}, {}, !is_plane});
+      if (!has_grains)
+        continue;
+      Result<std::optional<scene::ColliderField>> drawn = drawn_field(obstacle);
+      if (!drawn)
+        return drawn.error();
+      made.m_obstacles.back().drawn = std::move(*drawn);
     }
   }
   for (const HeldSpace& held : plan.held) {
@@ -102,7 +123,7 @@ Result<Boundaries> Boundaries::create(const MpmPlan& plan) {
     Result<scene::ColliderField> field = make_field(collider, made.m_cell);
     if (!field)
       return field.error();
-    made.m_held.push_back({{std::move(*field), {}, {}, true}, held.until, true});
+    made.m_held.push_back({{std::move(*field), std::nullopt, {}, {}, true}, held.until, true});
   }
   made.begin_step(0.0, 0.0);
   return made;
@@ -240,10 +261,16 @@ std::optional<ObstacleContact> Boundaries::nearest_obstacle(const std::vector<Ne
     if (!wall.may_touch(point, reach))
       continue;
     const Obstacle& obstacle = m_obstacles[static_cast<std::size_t>(wall.obstacle)];
-    if (obstacle.field.distance(obstacle.pose, point) >= (nearest ? nearest->distance : reach))
+    // What matter on the grid meets is never further than a small part of a cell beyond what is drawn.
+    constexpr double SAMPLING = 0.15; // cells
+    const double wanted = nearest ? nearest->distance : reach;
+    if (obstacle.drawn && obstacle.field.distance(obstacle.pose, point) >= wanted + SAMPLING * m_cell)
       continue;
-    const scene::ColliderSample sample = obstacle.field.sample(obstacle.pose, point);
-    if (sample.distance < (nearest ? nearest->distance : reach))
+    const scene::ColliderField& seen = obstacle.drawn ? *obstacle.drawn : obstacle.field;
+    if (seen.distance(obstacle.pose, point) >= wanted)
+      continue;
+    const scene::ColliderSample sample = seen.sample(obstacle.pose, point);
+    if (sample.distance < wanted)
       nearest = ObstacleContact{sample.distance, sample.normal, obstacle.twist.at(point)};
   }
   return nearest;

@@ -14,6 +14,10 @@ namespace wry::mpm {
 /// the grid, and could pass.
 inline constexpr double LEAST_WALL_CELLS = 2.0;
 
+/// What is thinner in a closed mesh counts as this many cells, growing on both sides: a node of the grid is then in it
+/// wherever it stands.
+inline constexpr double LEAST_SOLID_CELLS = 1.5;
+
 /// What a point near an obstacle sees.
 struct ObstacleContact {
   double distance = 0.0;        ///< [m], negative inside
@@ -57,13 +61,14 @@ public:
   /// Puts a particle back to the surface of the walls it is in and takes away the velocity into them. Returns whether
   /// it had to.
   bool push_out(const std::vector<NearWall>& walls, Vec3& position, Vec3& velocity) const;
-  /// The wall that is nearest to a point, if one is nearer than `reach` [m].
+  /// The wall that is nearest to a point as it is drawn, if one is nearer than `reach` [m].
   std::optional<ObstacleContact> nearest_obstacle(const std::vector<NearWall>& walls, const Vec3& point,
                                                   double reach) const;
 
 private:
   struct Obstacle {
     scene::ColliderField field;
+    std::optional<scene::ColliderField> drawn; ///< a mesh itself, where there are grains to meet it
     scene::Pose pose;
     scene::Twist twist;
     bool has_inside = true; ///< planes end the world: no particle gets through

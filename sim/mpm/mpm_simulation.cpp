@@ -126,6 +126,7 @@ template <class Scalar> Status Simulation<Scalar>::initialise() {
     const SubParticleStart start{*body.positions, body.particle_volume, body.frames ? *body.frames : one,
                                  body.initial_velocity, body.material.density};
     m_grains.emplace_back(*body.sub_particles, start);
+    m_grains.back().leave_obstacles(m_boundaries, m_plan.settings.cell);
   }
   make_blocks();
   return {};

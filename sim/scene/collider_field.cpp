@@ -132,11 +132,109 @@ struct Solid final : ColliderField::Shape {
   geometry::SignedDistance field;
 };
 
+/// The faces of a closed mesh behind which there is less matter than a grid can feel, and by how much each must grow.
+struct ThinFaces {
+  geometry::SurfaceMesh mesh;
+  std::vector<double> growth; ///< per triangle [m]
+};
+
+/// Matter behind a face at a point: how far it is to the face that looks the other way; infinite when that is `least`
+/// or more, or when there is none, as at the edge of something thick.
+double thickness_behind(const geometry::ClosestPointTree& tree, const Vec3& point, const Vec3& normal, double least) {
+  const geometry::ClosestPoint other = tree.closest(point - 0.5 * least * normal);
+  const double depth = (point - other.point).dot(normal);
+  const bool looks_away = tree.pseudonormal(other).dot(normal) < -0.5;
+  return looks_away && depth < least * (1.0 - 1e-6) ? std::max(depth, 0.0) : std::numeric_limits<double>::infinity();
+}
+
+ThinFaces thin_faces(const geometry::SurfaceMesh& mesh, double least) {
+  constexpr double INNER = 0.8, OUTER = 0.1; // sampled at the middle and near each corner
+  const geometry::ClosestPointTree tree(mesh);
+  ThinFaces thin;
+  thin.mesh.vertices = mesh.vertices;
+  std::vector<Eigen::Index> picked;
+  for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
+    Vec3 corner[3];
+    for (int k = 0; k < 3; ++k)
+      corner[k] = mesh.vertices.row(mesh.triangles(t, k));
+    const Vec3 cross = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+    if (!(cross.norm() > 0.0))
+      continue;
+    const Vec3 normal = cross.normalized(), middle = (corner[0] + corner[1] + corner[2]) / 3.0;
+    double thinnest = thickness_behind(tree, middle, normal, least);
+    for (const Vec3& near : corner) {
+      const Vec3 sample = INNER * near + OUTER * (corner[0] + corner[1] + corner[2] - near);
+      thinnest = std::min(thinnest, thickness_behind(tree, sample, normal, least));
+    }
+    if (!std::isfinite(thinnest))
+      continue;
+    picked.push_back(t);
+    thin.growth.push_back(0.5 * (least - thinnest));
+  }
+  thin.mesh.triangles.resize(static_cast<Eigen::Index>(picked.size()), 3);
+  for (std::size_t i = 0; i < picked.size(); ++i)
+    thin.mesh.triangles.row(static_cast<Eigen::Index>(i)) = mesh.triangles.row(picked[i]);
+  return thin;
+}
+
+/// A closed mesh of which some is too thin to be felt: a level set for what is not, and the thin faces as sheets.
+struct PartlyThin final : ColliderField::Shape {
+  PartlyThin(std::shared_ptr<const ColliderField::Shape> solid_, const ThinFaces& thin, double least_)
+      : solid(std::move(solid_))
+      , tree(thin.mesh)
+      , growth(thin.growth)
+      , least(least_) {}
+  double distance(const Vec3& point) const override { return sample_of(point, false).distance; }
+  ColliderSample sample(const Vec3& point) const override { return sample_of(point, true); }
+
+private:
+  ColliderSample sample_of(const Vec3& point, bool with_normal) const {
+    ColliderSample nearest;
+    nearest.distance = solid ? solid->distance(point) : std::numeric_limits<double>::infinity();
+    // No face is nearer than the surface that it is part of: away from it, a lower bound of the distance is enough.
+    if (nearest.distance > 2.0 * least && solid && !with_normal)
+      return {nearest.distance - 0.5 * least, Vec3::UnitY()};
+    const geometry::ClosestPoint closest = tree.closest(point);
+    const double distance = closest.distance - growth[static_cast<std::size_t>(closest.triangle)];
+    if (distance >= nearest.distance)
+      return with_normal ? solid->sample(point) : nearest;
+    const Vec3 away = point - closest.point;
+    nearest.distance = distance;
+    nearest.normal = closest.distance > 1e-12 ? Vec3(away / closest.distance) : tree.pseudonormal(closest);
+    return nearest;
+  }
+  std::shared_ptr<const ColliderField::Shape> solid; ///< null: nothing that a voxel sees
+  geometry::ClosestPointTree tree;
+  std::vector<double> growth;
+  double least;
+};
+
+MadeShape make_exact_solid(const MeshObstacle& mesh) {
+  return analytic([tree = std::make_shared<const geometry::ClosestPointTree>(*mesh.mesh)](const Vec3& point) {
+    const geometry::ClosestPoint closest = tree->closest(point);
+    const Vec3 outward = tree->pseudonormal(closest);
+    const Vec3 away = point - closest.point;
+    const double side = away.dot(outward) < 0.0 ? -1.0 : 1.0;
+    return ColliderSample{side * closest.distance,
+                          closest.distance > 1e-12 ? Vec3(side / closest.distance * away) : outward};
+  });
+}
+
 MadeShape make_solid(const MeshObstacle& mesh, const ColliderFieldSettings& settings) {
+  if (settings.closed_mesh == MeshDistance::exact)
+    return make_exact_solid(mesh);
+  const ThinFaces thin = settings.least_solid > 0.0 ? thin_faces(*mesh.mesh, settings.least_solid) : ThinFaces{};
   Result<geometry::SignedDistance> distance = geometry::SignedDistance::from_surface(*mesh.mesh, settings.voxel);
-  if (!distance)
+  const bool all_thin = static_cast<Eigen::Index>(thin.growth.size()) == mesh.mesh->triangles.rows();
+  if (!distance && !(all_thin && distance.error().code == ErrorCode::bad_input))
     return std::move(distance).error();
-  return std::shared_ptr<const ColliderField::Shape>(std::make_shared<Solid>(std::move(*distance)));
+  std::shared_ptr<const ColliderField::Shape> solid;
+  if (distance)
+    solid = std::make_shared<Solid>(std::move(*distance));
+  if (thin.growth.empty())
+    return solid;
+  return std::shared_ptr<const ColliderField::Shape>(
+      std::make_shared<PartlyThin>(std::move(solid), thin, settings.least_solid));
 }
 
 MadeShape make_sheet(const MeshObstacle& mesh, const ColliderFieldSettings& settings) {

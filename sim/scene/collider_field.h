@@ -14,10 +14,18 @@ struct ColliderSample {
   Vec3 normal = Vec3::UnitY(); ///< unit, away from the collider's matter, in the world
 };
 
+/// How far it is to a closed mesh.
+enum class MeshDistance {
+  sampled, ///< by a level set: cheap, edges are rounded by a fraction of a voxel
+  exact,   ///< to the triangles
+};
+
 /// How finely meshes are sampled.
 struct ColliderFieldSettings {
-  double voxel = 0.0;      ///< of a closed mesh's level set [m]; usual: half a grid cell
-  double least_wall = 0.0; ///< walls of open boxes and open meshes count as at least this thick [m]
+  double voxel = 0.0;       ///< of a closed mesh's level set [m]; usual: half a grid cell
+  double least_wall = 0.0;  ///< walls of open boxes and open meshes count as at least this thick [m]
+  double least_solid = 0.0; ///< what is thinner in a closed mesh counts as this thick, growing on both sides [m]
+  MeshDistance closed_mesh = MeshDistance::sampled;
 };
 
 /// Signed distance to a collider at any time, for methods that test points: exact for planes, boxes, spheres and

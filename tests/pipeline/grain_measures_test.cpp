@@ -71,9 +71,10 @@ TEST(GrainMeasures, CountsCentresInsideWhereTheColliderIsNow) {
 }
 
 TEST(GrainMeasures, HoverIsTheGapBelowWhatRestsOnNothingElse) {
+  const auto lone = [](double height) { return Grain{{1, 0, height}}; };
   // On the floor; 5 cm above it; the same, but with a grain beneath; as high, but moving.
   EXPECT_NEAR(Heap({{{0, 0, 0.01}}}, {floor_at(0)}, 0.0).hover(), 0.0, 1e-12);
-  EXPECT_NEAR(Heap({{{0, 0, 0.01}}, {{1, 0, 0.06}}}, {floor_at(0)}, 0.0).hover(), 0.05, 1e-12);
+  EXPECT_NEAR(Heap({lone(0.06)}, {floor_at(0)}, 0.0).hover(), 0.05, 1e-12);
   EXPECT_NEAR(Heap({{{0, 0, 0.01}}, {{0.03, 0, 0.06}}}, {floor_at(0)}, 0.0).hover(), 0.0, 1e-12);
   EXPECT_NEAR(Heap({{{0, 0, 0.01}}, {{1, 0, 0.06}, 0.5}}, {floor_at(0)}, 0.0).hover(), 0.0, 1e-12);
   EXPECT_NEAR(Heap({{{0.5, 0.5, 1.04}}}, {rising_cube(), floor_at(0)}, 0.0).hover(), 0.03, 1e-6);

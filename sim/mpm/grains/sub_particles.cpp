@@ -18,6 +18,9 @@ namespace wry::mpm {
 namespace {
 
 constexpr int BLEND_UPDATES = 5;
+/// Where the fringe of a pile is thinner than this share of capture_density, matter that lies still would hold grains
+/// up to a cell and a half above it.
+constexpr double FLOATING = 0.25;
 constexpr double REST_SPEED = 0.03;   // [m/s] relative to what carries the grain
 constexpr double LONGEST_TURN = 0.25; // dt |L| between updates
 
@@ -241,6 +244,25 @@ void SubParticles::sort(double cell) {
   m_strayed = false;
 }
 
+void SubParticles::leave_obstacles(const Boundaries& boundaries, double cell) {
+  sort(cell);
+  std::vector<NearWall> walls;
+  for (const Run& run : m_runs) {
+    boundaries.walls_near(run.coord, walls, WallKind::all);
+    for (std::size_t i = run.begin; i < run.end; ++i) {
+      const std::size_t grain = m_order[i];
+      const double radius = 0.5 * m_settings.size.minCoeff() * static_cast<double>(m_size[grain]);
+      for (int round = 0; round < 3; ++round) { // out of a corner, face by face
+        const std::optional<ObstacleContact> met = boundaries.nearest_obstacle(walls, m_position[grain], radius);
+        if (!met)
+          break;
+        m_position[grain] += (radius - met->distance) * met->normal;
+      }
+    }
+  }
+  m_strayed = true;
+}
+
 void SubParticles::meet_obstacles(std::size_t grain, const Field& field) {
   if (field.walls.empty())
     return;
@@ -252,6 +274,13 @@ void SubParticles::meet_obstacles(std::size_t grain, const Field& field) {
     return;
   const ObstacleContact& contact = *met;
   position += (radius - contact.distance) * contact.normal;
+  // What one obstacle pushes into another is pushed out of that.
+  for (int round = 0; round < 2; ++round) {
+    const std::optional<ObstacleContact> inside = field.boundaries->nearest_obstacle(field.walls, position, 0.0);
+    if (!inside)
+      break;
+    position += (0.5 * radius - inside->distance) * inside->normal;
+  }
   if (m_state[grain] == Phase::carried)
     return;
   Vec3& velocity = m_velocity[grain];
@@ -317,7 +346,7 @@ bool SubParticles::carry(std::size_t grain, const Field& field) {
   Mat3 gradient;
   double density = 0.0;
   if (!field.motion_at(position + 0.5 * field.dt * m_velocity[grain], middle, gradient, density) ||
-      density < m_settings.escape_density)
+      density < std::max(m_settings.escape_density, FLOATING * m_settings.capture_density))
     return false;
   if (m_blend[grain] > 0) {
     const double own = static_cast<double>(m_blend[grain]--) / (BLEND_UPDATES + 1);

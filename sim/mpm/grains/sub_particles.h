@@ -39,6 +39,9 @@ public:
   std::size_t count() const { return m_state.size(); }
   const SubParticleSettings& settings() const { return m_settings; }
 
+  /// Puts grains that start in an obstacle to its face: what a particle stands for may reach into the wall beside it.
+  void leave_obstacles(const Boundaries& boundaries, double cell);
+
   /// A step of the simulation has been made on this grid, whose nodes have velocities [m/s] and masses [kg]. Grains are
   /// brought up to date when the fastest may have gone `travel`, and when `now` says so (a frame ends).
   enum class When { as_needed, now };
