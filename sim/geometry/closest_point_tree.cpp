@@ -161,9 +161,13 @@ void ClosestPointTree::make_normals() {
 }
 
 ClosestPoint ClosestPointTree::closest(const Vec3& point) const {
+  return closest_within(point, std::numeric_limits<double>::infinity());
+}
+
+ClosestPoint ClosestPointTree::closest_within(const Vec3& point, double reach) const {
   ClosestPoint best;
-  double best_squared = std::numeric_limits<double>::infinity();
-  if (m_nodes.empty())
+  double best_squared = reach * reach;
+  if (m_nodes.empty() || !(reach >= 0.0))
     return best;
   struct Entry {
     std::int32_t node;
@@ -184,8 +188,12 @@ ClosestPoint ClosestPointTree::closest(const Vec3& point) const {
       const double db = squared_distance_to_box(point, b.low, b.high);
       const Entry first{node.left, da};
       const Entry second{node.left + 1, db};
-      stack[top++] = da < db ? second : first;
-      stack[top++] = da < db ? first : second;
+      const Entry& further = da < db ? second : first;
+      const Entry& nearer = da < db ? first : second;
+      if (further.squared <= best_squared)
+        stack[top++] = further;
+      if (nearer.squared <= best_squared)
+        stack[top++] = nearer;
       continue;
     }
     for (std::int32_t i = node.begin; i < node.end; ++i) {
@@ -196,7 +204,7 @@ ClosestPoint ClosestPointTree::closest(const Vec3& point) const {
       const Vec3 weights = closest_on_triangle(point, a, b, c);
       const Vec3 found = weights[0] * a + weights[1] * b + weights[2] * c;
       const double squared = (found - point).squaredNorm();
-      if (squared < best_squared || (squared == best_squared && triangle < best.triangle)) {
+      if (squared < best_squared || (squared == best_squared && (best.triangle < 0 || triangle < best.triangle))) {
         best_squared = squared;
         best = {found, triangle, weights, 0.0};
       }

@@ -24,6 +24,8 @@ public:
   explicit ClosestPointTree(const SurfaceMesh& mesh);
 
   ClosestPoint closest(const Vec3& point) const;
+  /// The same when it is at most `reach` [m] away; else triangle is -1. Much cheaper where nothing is near.
+  ClosestPoint closest_within(const Vec3& point, double reach) const;
 
   /// Distance [m], negative inside.
   double signed_distance(const Vec3& point) const;

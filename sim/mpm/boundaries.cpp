@@ -186,7 +186,12 @@ template <class Scalar> void Boundaries::constrain_nodes(const BlockCoord& coord
   };
   constexpr double MIDDLE = 0.5 * (BLOCK_SIDE - 1);
   const double surface = ON_SURFACE * m_cell;
+  struct Touched {
+    const Obstacle* obstacle;
+    Vec3 normal;
+  };
   std::vector<Near> near;
+  std::vector<Touched> touched;
   for (const Obstacle& obstacle : m_obstacles) {
     const double clear = clear_of_block(obstacle, coord);
     if (clear <= 0.0)
@@ -208,24 +213,20 @@ template <class Scalar> void Boundaries::constrain_nodes(const BlockCoord& coord
     const double from_middle = (in_block - Vec3::Constant(MIDDLE)).norm() * m_cell;
     const Vec3 before(value[0], value[1], value[2]);
     Vec3 velocity = before;
-    int touched = 0;
-    const auto touch = [&] {
-      touched = 0;
-      for (const auto& [obstacle, clear] : near) {
-        if (from_middle < clear || obstacle->field.distance(obstacle->pose, at) > surface)
-          continue;
-        const scene::ColliderSample sample = obstacle->field.sample(obstacle->pose, at);
+    touched.clear();
+    for (const auto& [obstacle, clear] : near) {
+      if (from_middle >= clear && obstacle->field.distance(obstacle->pose, at, 2.0 * surface) <= surface)
+        touched.push_back({obstacle, obstacle->field.sample(obstacle->pose, at).normal});
+    }
+    // Corners: what one wall pushes into another is pushed out again.
+    for (int round = touched.size() > 1 ? 2 : 1; round > 0; --round) {
+      for (const auto& [obstacle, normal] : touched) {
         const scene::Collider& collider = obstacle->field.collider();
-        velocity =
-            contact_velocity(velocity, obstacle->twist.at(at), sample.normal, collider.contact, collider.friction);
-        ++touched;
+        velocity = contact_velocity(velocity, obstacle->twist.at(at), normal, collider.contact, collider.friction);
       }
-    };
-    touch();
-    if (touched > 1) // corners: what one wall pushes into another is pushed out again
-      touch();
+    }
     for (const Obstacle* space : holding) {
-      if (space->field.distance(space->pose, at) <= surface)
+      if (space->field.distance(space->pose, at, 2.0 * surface) <= surface)
         velocity = space->twist.at(at);
     }
     if (velocity == before)
@@ -264,11 +265,10 @@ std::optional<ObstacleContact> Boundaries::nearest_obstacle(const std::vector<Ne
     // What matter on the grid meets is never further than a small part of a cell beyond what is drawn.
     constexpr double SAMPLING = 0.15; // cells
     const double wanted = nearest ? nearest->distance : reach;
-    if (obstacle.drawn && obstacle.field.distance(obstacle.pose, point) >= wanted + SAMPLING * m_cell)
+    const double not_beyond = wanted + SAMPLING * m_cell;
+    if (obstacle.drawn && obstacle.field.distance(obstacle.pose, point, not_beyond) >= not_beyond)
       continue;
     const scene::ColliderField& seen = obstacle.drawn ? *obstacle.drawn : obstacle.field;
-    if (seen.distance(obstacle.pose, point) >= wanted)
-      continue;
     const scene::ColliderSample sample = seen.sample(obstacle.pose, point);
     if (sample.distance < wanted)
       nearest = ObstacleContact{sample.distance, sample.normal, obstacle.twist.at(point)};
@@ -283,7 +283,7 @@ bool Boundaries::push_out(const std::vector<NearWall>& walls, Vec3& position, Ve
     bool again = false;
     for (const NearWall& wall : walls) {
       const Obstacle& obstacle = m_obstacles[static_cast<std::size_t>(wall.obstacle)];
-      if (!wall.may_touch(position, 0.0) || obstacle.field.distance(obstacle.pose, position) >= 0.0)
+      if (!wall.may_touch(position, 0.0) || obstacle.field.distance(obstacle.pose, position, 0.0) >= 0.0)
         continue;
       const scene::ColliderSample sample = obstacle.field.sample(obstacle.pose, position);
       if (sample.distance >= 0.0)

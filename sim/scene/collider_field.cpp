@@ -1,5 +1,6 @@
 #include "sim/scene/collider_field.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -48,7 +49,7 @@ Vec3 any_normal_to(const Vec3& direction) {
 struct ColliderField::Shape {
   virtual ~Shape() = default;
   virtual ColliderSample sample(const Vec3& point) const = 0;
-  virtual double distance(const Vec3& point) const { return sample(point).distance; }
+  virtual double distance(const Vec3& point, double /*reach*/) const { return sample(point).distance; }
 };
 
 namespace {
@@ -112,7 +113,8 @@ MadeShape make_shape(const CylinderObstacle& cylinder, const ColliderFieldSettin
 struct Solid final : ColliderField::Shape {
   explicit Solid(geometry::SignedDistance field_)
       : field(std::move(field_)) {}
-  double distance(const Vec3& point) const override {
+  double distance(const Vec3& point, double /*reach*/) const override { return distance(point); }
+  double distance(const Vec3& point) const {
     const double outside = (point - point.cwiseMax(field.low()).cwiseMin(field.high())).norm();
     return outside > 0.0 ? std::max(field.value(point), outside) : field.value(point);
   }
@@ -183,29 +185,40 @@ struct PartlyThin final : ColliderField::Shape {
       : solid(std::move(solid_))
       , tree(thin.mesh)
       , growth(thin.growth)
+      , most_growth(*std::max_element(growth.begin(), growth.end()))
       , least(least_) {}
-  double distance(const Vec3& point) const override { return sample_of(point, false).distance; }
-  ColliderSample sample(const Vec3& point) const override { return sample_of(point, true); }
+  double distance(const Vec3& point, double reach) const override {
+    const double to_solid = distance_to_solid(point);
+    // No face is nearer than the surface that it is part of: away from it, a lower bound of the distance is enough.
+    if (to_solid > 2.0 * least && solid)
+      return to_solid - 0.5 * least;
+    const double wanted = std::min(to_solid, reach);
+    const geometry::ClosestPoint closest = tree.closest_within(point, wanted + most_growth);
+    if (closest.triangle < 0)
+      return wanted;
+    return std::min(to_solid, closest.distance - growth[static_cast<std::size_t>(closest.triangle)]);
+  }
+  ColliderSample sample(const Vec3& point) const override {
+    const double to_solid = distance_to_solid(point);
+    const geometry::ClosestPoint closest = tree.closest_within(point, to_solid + most_growth);
+    const double distance = closest.triangle < 0
+                                ? std::numeric_limits<double>::infinity()
+                                : closest.distance - growth[static_cast<std::size_t>(closest.triangle)];
+    if (distance >= to_solid)
+      return solid->sample(point);
+    const Vec3 away = point - closest.point;
+    return {distance, closest.distance > 1e-12 ? Vec3(away / closest.distance) : tree.pseudonormal(closest)};
+  }
 
 private:
-  ColliderSample sample_of(const Vec3& point, bool with_normal) const {
-    ColliderSample nearest;
-    nearest.distance = solid ? solid->distance(point) : std::numeric_limits<double>::infinity();
-    // No face is nearer than the surface that it is part of: away from it, a lower bound of the distance is enough.
-    if (nearest.distance > 2.0 * least && solid && !with_normal)
-      return {nearest.distance - 0.5 * least, Vec3::UnitY()};
-    const geometry::ClosestPoint closest = tree.closest(point);
-    const double distance = closest.distance - growth[static_cast<std::size_t>(closest.triangle)];
-    if (distance >= nearest.distance)
-      return with_normal ? solid->sample(point) : nearest;
-    const Vec3 away = point - closest.point;
-    nearest.distance = distance;
-    nearest.normal = closest.distance > 1e-12 ? Vec3(away / closest.distance) : tree.pseudonormal(closest);
-    return nearest;
+  double distance_to_solid(const Vec3& point) const {
+    return solid ? solid->distance(point, std::numeric_limits<double>::infinity())
+                 : std::numeric_limits<double>::infinity();
   }
   std::shared_ptr<const ColliderField::Shape> solid; ///< null: nothing that a voxel sees
   geometry::ClosestPointTree tree;
   std::vector<double> growth;
+  double most_growth; ///< no face reaches further [m]
   double least;
 };
 
@@ -237,14 +250,28 @@ MadeShape make_solid(const MeshObstacle& mesh, const ColliderFieldSettings& sett
       std::make_shared<PartlyThin>(std::move(solid), thin, settings.least_solid));
 }
 
+/// An open mesh with half its thickness on both sides.
+struct Sheet final : ColliderField::Shape {
+  Sheet(const geometry::SurfaceMesh& mesh, double half_)
+      : tree(mesh)
+      , half(half_) {}
+  double distance(const Vec3& point, double reach) const override {
+    const geometry::ClosestPoint closest = tree.closest_within(point, reach + half);
+    return closest.triangle < 0 ? reach : closest.distance - half;
+  }
+  ColliderSample sample(const Vec3& point) const override {
+    const geometry::ClosestPoint closest = tree.closest(point);
+    const Vec3 away = point - closest.point;
+    return {closest.distance - half,
+            closest.distance > 0.0 ? Vec3(away / closest.distance) : tree.pseudonormal(closest)};
+  }
+  geometry::ClosestPointTree tree;
+  double half;
+};
+
 MadeShape make_sheet(const MeshObstacle& mesh, const ColliderFieldSettings& settings) {
   const double half = 0.5 * std::max(mesh.thickness, settings.least_wall);
-  return analytic([tree = std::make_shared<const geometry::ClosestPointTree>(*mesh.mesh), half](const Vec3& point) {
-    const geometry::ClosestPoint closest = tree->closest(point);
-    const Vec3 away = point - closest.point;
-    return ColliderSample{closest.distance - half,
-                          closest.distance > 0.0 ? Vec3(away / closest.distance) : tree->pseudonormal(closest)};
-  });
+  return std::shared_ptr<const ColliderField::Shape>(std::make_shared<Sheet>(*mesh.mesh, half));
 }
 
 MadeShape make_shape(const MeshObstacle& mesh, const ColliderFieldSettings& settings) {
@@ -264,8 +291,8 @@ Result<ColliderField> ColliderField::create(std::shared_ptr<const Collider> coll
   return field;
 }
 
-double ColliderField::distance(const Pose& pose, const Vec3& point) const {
-  return m_shape->distance(pose.apply_inverse(point));
+double ColliderField::distance(const Pose& pose, const Vec3& point, double reach) const {
+  return m_shape->distance(pose.apply_inverse(point), reach);
 }
 
 ColliderSample ColliderField::sample(const Pose& pose, const Vec3& point) const {

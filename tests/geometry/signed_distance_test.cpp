@@ -105,6 +105,17 @@ TEST(ClosestPointTree, FindsWhatABruteSearchFinds) {
   }
 }
 
+TEST(ClosestPointTree, ABoundedSearchFindsTheSamePointOrNothing) {
+  const ClosestPointTree tree(*make_torus(0.6, 0.25, Axis::y, 0.1));
+  for (const Vec3& x : spread(2000)) {
+    const ClosestPoint all = tree.closest(x);
+    const ClosestPoint near = tree.closest_within(x, 1.000001 * all.distance);
+    EXPECT_EQ(near.triangle, all.triangle);
+    EXPECT_EQ(near.point, all.point);
+    EXPECT_EQ(tree.closest_within(x, 0.999999 * all.distance).triangle, -1);
+  }
+}
+
 TEST(ClosestPointTree, TellsInsideAtFacesEdgesAndCorners) {
   const ClosestPointTree tree(*make_block_surface(box_block({2, 2, 2}), 2.0));
   for (const Vec3& x : spread(2000)) {
