@@ -113,6 +113,8 @@ Body bind_body(const Reader& reader, const std::string& directory) {
       reader.choice<Quadrature>("quadrature", {{"full", Quadrature::full}, {"one-point", Quadrature::one_point}});
   body.material = reader.text("material");
   body.look = reader.optional_text("look");
+  body.draw = reader.choice<DrawnAs>(
+      "draw", {{"auto", DrawnAs::automatic}, {"shape", DrawnAs::shape}, {"elements", DrawnAs::elements}});
   return body;
 }
 

@@ -147,6 +147,14 @@ Section body_section() {
                 fmt::format("The name of a [look.X], or one of {}.", fmt::join(list_built_in_looks(), ", ")))
           .default_is("a neutral look")
           .affects(Effect::pictures));
+  section.fields.push_back(
+      choice("draw",
+             {{"auto", "the shape, where there is one near enough to the elements", ""},
+              {"shape", "the mesh, sphere or torus itself, carried by the elements", ""},
+              {"elements", "the faces of the elements; wire, heat and the views with signs always show these", ""}},
+             "What of the body is drawn.")
+          .standard("auto")
+          .affects(Effect::pictures));
   section.one_of = {
       {{{"mesh"}, {"box"}, {"sphere"}, {"cylinder"}, {"rod"}, {"sheet"}, {"torus"}, {"region"}}, true, "shape"},
       {{{"size"}, {"scale"}}, false, "size"},

@@ -102,6 +102,9 @@ enum class Element { automatic, tet4, tet10, tri3, tri6 };
 enum class Quadrature { full, one_point };
 
 /// [[body]]
+/// What of a body is drawn: its shape (an artist's mesh, a ball, a ring) carried by the elements, or their own faces.
+enum class DrawnAs { automatic, shape, elements };
+
 struct Body : Placed {
   Source source; ///< of the table
   Located<std::string> name;
@@ -114,6 +117,7 @@ struct Body : Placed {
   Located<Quadrature> quadrature;
   Located<std::string> material;            ///< the name of a [material.X] that exists
   std::optional<Located<std::string>> look; ///< a [look.X] or a built-in look; absent: a default look
+  Located<DrawnAs> draw;
   Located<Vec3> velocity;                   ///< initial [m/s]
   ParticleBody particles;                   ///< when the material's model is mpm; a region takes the place of shape
   /// Rotation vector of the directors at rest [degrees]; nullopt: 0.

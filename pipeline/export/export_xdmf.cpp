@@ -65,12 +65,12 @@ Status export_xdmf(const ExportJob& job) {
   const std::string static_file = file_in_cache("static.h5");
   std::string text = "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"3.0\">\n<Domain>\n"
                      "<Grid Name=\"frames\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  const Status gathered = for_each_frame(job, [&](const Frame& frame) -> Status {
+  const Status gathered = for_each_cached_frame(job, [&](const Frame& frame) -> Status {
     text += fmt::format("<Grid Name=\"frame {}\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time "
                         "Value=\"{}\"/>\n",
                         frame.number, frame.time);
     for (std::size_t b = 0; b < frame.bodies.size(); ++b)
-      text += grid(job.scene.bodies[b], frame.bodies[b], fmt::format("/bodies/{:04}", b),
+      text += grid(job.cached_scene.bodies[b], frame.bodies[b], fmt::format("/bodies/{:04}", b),
                    file_in_cache(frame_file_name(frame.number)), static_file);
     text += "</Grid>\n";
     return {};

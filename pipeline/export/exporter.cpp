@@ -40,6 +40,10 @@ std::span<const Exporter> exporters() {
 }
 
 Status for_each_frame(const ExportJob& job, const std::function<Status(const Frame&)>& use) {
+  return for_each_cached_frame(job, [&](const Frame& frame) { return use(job.as_shown(frame)); });
+}
+
+Status for_each_cached_frame(const ExportJob& job, const std::function<Status(const Frame&)>& use) {
   for (const int number : job.frames) {
     const Result<Frame> frame = job.cache.read_frame(number);
     if (!frame)

@@ -15,12 +15,14 @@ namespace wry::pipeline {
 /// What is exported, and where to.
 struct ExportJob {
   const FrameCache& cache;
-  const SceneStatic& scene;
-  std::filesystem::path frames_folder; ///< of the cache
-  std::filesystem::path folder;        ///< exports/<format>, exists
-  std::string name;                    ///< of the shot
-  std::vector<int> frames;             ///< ascending, all in the cache
-  int first_frame = 1;                 ///< of the shot: time 0
+  const SceneStatic& cached_scene;             ///< of the cache's frames
+  const SceneStatic& scene;                    ///< as it is shown: artists' meshes in place of elements
+  std::function<Frame(const Frame&)> as_shown; ///< a frame of the cache, for `scene`
+  std::filesystem::path frames_folder;         ///< of the cache
+  std::filesystem::path folder;                ///< exports/<format>, exists
+  std::string name;                            ///< of the shot
+  std::vector<int> frames;                     ///< ascending, all in the cache
+  int first_frame = 1;                         ///< of the shot: time 0
   double fps = 24.0;
   char up = 'y'; ///< 'x', 'y' or 'z'
 };
@@ -43,8 +45,12 @@ Status export_usda(const ExportJob& job);
 Status export_pc2(const ExportJob& job);
 Status export_xdmf(const ExportJob& job);
 
-/// Calls `use` with every frame of the job in order; stops at the first error, or when a stop was asked for.
+/// Calls `use` with every frame of the job in order, as they are shown; stops at the first error, or when a stop was
+/// asked for.
 Status for_each_frame(const ExportJob& job, const std::function<Status(const Frame&)>& use);
+
+/// The same with frames as they are cached, for `cached_scene`.
+Status for_each_cached_frame(const ExportJob& job, const std::function<Status(const Frame&)>& use);
 
 /// One body of a frame as points with what is known of them: a mesh's vertices, or particles.
 struct ExportPoints {

@@ -10,11 +10,6 @@ namespace wry::pipeline {
 
 namespace {
 
-const shots::Look* own_materials(const shots::Shot& shot, const std::optional<shots::Located<std::string>>& name) {
-  const shots::Look* look = name ? shot.find_look(**name) : nullptr;
-  return look != nullptr && *look->own_materials ? look : nullptr;
-}
-
 Result<ImportedMesh> import_again(const shots::ColliderMeshShape& shape, const shots::Collider& collider,
                                   shots::Axis up) {
   MeshImportOptions options;
@@ -36,18 +31,17 @@ Eigen::Index drawn_triangles(const SceneStatic& scene, const std::string& name) 
 
 } // namespace
 
+const shots::Look* look_with_own_materials(const shots::Shot& shot,
+                                           const std::optional<shots::Located<std::string>>& name) {
+  const shots::Look* look = name ? shot.find_look(**name) : nullptr;
+  return look != nullptr && *look->own_materials ? look : nullptr;
+}
+
 Result<std::map<std::string, std::shared_ptr<const render::MeshAppearance>>>
 compile_appearances(const shots::Shot& shot, const SceneStatic& scene) {
   std::map<std::string, std::shared_ptr<const render::MeshAppearance>> appearances;
-  for (const shots::Body& body : shot.bodies) {
-    if (const shots::Look* look = own_materials(shot, body.look))
-      return make_error(ErrorCode::bad_input,
-                        "{}: body {} is simulated: its surface is made anew and has none of the file's texture "
-                        "coordinates; give it a look with a colour",
-                        look->own_materials.source.text(), *body.name);
-  }
   for (const shots::Collider& collider : shot.colliders) {
-    const shots::Look* look = own_materials(shot, collider.look);
+    const shots::Look* look = look_with_own_materials(shot, collider.look);
     const Eigen::Index triangles = drawn_triangles(scene, *collider.name);
     if (look == nullptr || triangles == 0)
       continue;

@@ -33,6 +33,7 @@ struct Source {
   std::optional<geometry::TetMesh> tets;
   std::vector<Asset> assets;
   std::vector<std::string> notes;
+  std::optional<render::MeshAppearance> appearance;
 };
 
 geometry::Axis axis_of(shots::Axis axis) {
@@ -96,6 +97,7 @@ Result<Source> BodyMesher::import_source(const shots::MeshShape& shape) const {
     return located(shape.path.source, imported.error());
   source.notes.insert(source.notes.end(), imported->notes.begin(), imported->notes.end());
   source.surface = std::move(imported->mesh);
+  source.appearance = std::move(imported->appearance);
   return source;
 }
 
@@ -374,7 +376,8 @@ Result<PlacedSurface> BodyMesher::surface(double edge) {
     if (!status)
       return located(m_body.source, status.error());
   }
-  return PlacedSurface{std::move(*made->surface), made->description, std::move(made->assets), std::move(made->notes)};
+  return PlacedSurface{std::move(*made->surface), made->description, std::move(made->assets), std::move(made->notes),
+                       std::move(made->appearance)};
 }
 
 } // namespace

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "pipeline/plan/scene_plan.h"
+#include "render/mesh_appearance.h"
 #include "shots/shot.h"
 #include "sim/base/result.h"
 #include "sim/geometry/surface_mesh.h"
@@ -40,6 +42,7 @@ struct PlacedSurface {
   std::string description;
   std::vector<Asset> assets;
   std::vector<std::string> notes;
+  std::optional<render::MeshAppearance> appearance; ///< of a mesh file with materials
 };
 Result<PlacedSurface> body_surface(const shots::Body& body, shots::Axis up, double edge);
 

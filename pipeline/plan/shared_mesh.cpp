@@ -115,7 +115,7 @@ Result<std::string> key_of(const shots::Shot& shot, const shots::Body& body) {
     inputs += *mesh->path + " " + *hash + "\n";
   }
   const std::string prefix = "body." + *body.name + ".";
-  constexpr std::array<std::string_view, 4> NO_SHAPE = {"name", "material", "look", "velocity"};
+  constexpr std::array<std::string_view, 5> NO_SHAPE = {"name", "material", "look", "velocity", "draw"};
   for (const shots::FlatKey& key : shots::flatten(shot)) {
     if (!key.key.starts_with(prefix))
       continue;

@@ -18,6 +18,7 @@
 #include "pipeline/plan/build_id.h"
 #include "pipeline/plan/compile_appearance.h"
 #include "pipeline/plan/compile_camera.h"
+#include "pipeline/plan/drawn_surfaces.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/signals.h"
 #include "pipeline/run/video.h"
@@ -75,6 +76,12 @@ std::string fingerprint(const render::RenderPlan& plan, const shots::Shot* shot)
   for (const render::View& view : plan.views) {
     if (view.heat)
       text += fmt::format(" {} {} {}", view.name, view.heat->low, view.heat->high);
+  }
+  for (const shots::Body& body : shot != nullptr ? shot->bodies : std::vector<shots::Body>()) {
+    if (const auto* mesh = std::get_if<shots::MeshShape>(&body.shape)) {
+      const Result<std::string> hash = sha256_of_file(*mesh->path);
+      text += " " + (hash ? *hash : hash.error().message);
+    }
   }
   if (shot != nullptr && shot->render.lights.image) {
     const Result<std::string> hash = sha256_of_file(**shot->render.lights.image);
@@ -203,6 +210,12 @@ private:
   std::optional<render::Renderer> m_renderer;
 };
 
+/// Whether a view is about the elements: their edges, or values that they or their vertices have.
+bool shows_elements(const render::View& view) {
+  return view.colouring == render::Colouring::heat || view.wire != render::Wire::none ||
+         view.signs != render::Signs::none;
+}
+
 Progress::Mode progress_mode(RenderOptions::Talk talk, int part) {
   return talk == RenderOptions::Talk::quiet || part != 0 ? Progress::Mode::quiet : Progress::Mode::automatic;
 }
@@ -293,18 +306,28 @@ Status wait_for_frame(FrameCache& cache, int number, const fs::path& out) {
   return not_cached(number, out);
 }
 
+render::RenderPlan
+with_appearances(render::RenderPlan plan,
+                 const std::map<std::string, std::shared_ptr<const render::MeshAppearance>>& appearances) {
+  plan.appearances.insert(appearances.begin(), appearances.end());
+  return plan;
+}
+
 /// The whole of one run of render_frames().
 class SequenceDrawing {
 public:
   SequenceDrawing(const shots::Shot& shot, const RenderOptions& options, FrameCache& cache, const SceneStatic& scene,
-                  const render::RenderPlan& plan, const CameraMotion& camera)
+                  const DrawnSurfaces& surfaces, const render::RenderPlan& plan, const CameraMotion& camera)
       : m_shot(shot)
       , m_options(options)
       , m_cache(cache)
       , m_plan(plan)
       , m_camera(camera)
+      , m_surfaces(surfaces)
+      , m_shape_plan(with_appearances(plan, surfaces.appearances()))
       , m_settings(fingerprint(plan, &shot))
-      , m_draughtsman(plan, scene) {}
+      , m_elements(plan, scene)
+      , m_shapes(m_shape_plan, surfaces.scene()) {}
 
   Status draw_frame(int number) {
     if (m_options.source == RenderOptions::Frames::follow) {
@@ -359,7 +382,9 @@ private:
                  {"wry:time", fmt::format("{}", frame->time)},
                  {"wry:view", view.name},
                  {"wry:frame_sha256", entry.sha256}};
-    if (Status status = m_draughtsman.draw(*frame, std::move(job)); !status)
+    const Status status = shows_elements(view) ? m_elements.draw(*frame, std::move(job))
+                                               : m_shapes.draw(m_surfaces.carry(*frame), std::move(job));
+    if (!status)
       return status;
     ++m_outcome.drawn;
     return {};
@@ -370,8 +395,10 @@ private:
   FrameCache& m_cache;
   const render::RenderPlan& m_plan;
   const CameraMotion& m_camera;
+  const DrawnSurfaces& m_surfaces;
+  render::RenderPlan m_shape_plan;
   std::string m_settings;
-  Draughtsman m_draughtsman;
+  Draughtsman m_elements, m_shapes;
   RenderOutcome m_outcome;
 };
 
@@ -416,9 +443,16 @@ Result<RenderOutcome> render_frames(const shots::Shot& shot, const RenderOptions
   if (!appearances)
     return appearances.error();
   plan->appearances = std::move(*appearances);
+  const Result<DrawnSurfaces> surfaces = DrawnSurfaces::create(shot, *scene);
+  if (!surfaces)
+    return surfaces.error();
+  if (options.talk != RenderOptions::Talk::quiet && options.part == 0) {
+    for (const std::string& note : surfaces->notes())
+      fmt::print(stderr, "note: {}\n", note);
+  }
   if (Status status = prepare_folder(options.out / "images"); !status)
     return status.error();
-  SequenceDrawing drawing(shot, options, *cache, *scene, *plan, *camera);
+  SequenceDrawing drawing(shot, options, *cache, *scene, *surfaces, *plan, *camera);
   Progress progress(*shot.shot.name + ": render", static_cast<double>(options.frames.size()), 0.0,
                     progress_mode(options.talk, options.part));
   for (std::size_t i = 0; i < options.frames.size(); ++i) {
@@ -476,13 +510,15 @@ Result<RenderOutcome> render_turntable(render::RenderPlan plan, const SceneStati
   return draw_turn(std::move(plan), scene, job, [&](int) { return Result<Frame>(frame); });
 }
 
-Result<RenderOutcome> render_moving_turntable(render::RenderPlan plan, const SceneStatic& scene,
+Result<RenderOutcome> render_moving_turntable(render::RenderPlan plan, const DrawnSurfaces& surfaces,
                                               const FrameCache& cache, const TurntableJob& job) {
   const std::vector<CachedFrame> frames = cache.frames();
   if (frames.empty())
     return make_error(ErrorCode::missing_input, "there is no frame in the cache; run `wry simulate` first");
-  return draw_turn(std::move(plan), scene, job,
-                   [&](int i) { return cache.read_frame(frames[static_cast<std::size_t>(i) % frames.size()].number); });
+  return draw_turn(std::move(plan), surfaces.scene(), job, [&](int i) -> Result<Frame> {
+    const Result<Frame> frame = cache.read_frame(frames[static_cast<std::size_t>(i) % frames.size()].number);
+    return frame ? Result<Frame>(surfaces.carry(*frame)) : frame.error();
+  });
 }
 
 Status write_contact_sheet(const shots::Shot& shot, const fs::path& out, const std::string& view,

@@ -6,6 +6,7 @@
 
 #include "pipeline/cache/frame_cache.h"
 #include "pipeline/plan/compile_render.h"
+#include "pipeline/plan/drawn_surfaces.h"
 #include "shots/shot.h"
 
 namespace wry::pipeline {
@@ -53,7 +54,7 @@ Result<RenderOutcome> render_turntable(render::RenderPlan plan, const SceneStati
                                        const TurntableJob& job);
 
 /// The same, with the sequence playing over and over while it turns: picture i shows frame i of the cache.
-Result<RenderOutcome> render_moving_turntable(render::RenderPlan plan, const SceneStatic& scene,
+Result<RenderOutcome> render_moving_turntable(render::RenderPlan plan, const DrawnSurfaces& surfaces,
                                               const FrameCache& cache, const TurntableJob& job);
 
 /// One picture of up to 24 frames of a view, evenly spread, each with its number: images/<shot>.<view>.sheet.png.

@@ -106,4 +106,41 @@ Points SurfaceEmbedding::deform(const Points& positions, const Threads& threads)
   return points;
 }
 
+std::vector<double> SurfaceEmbedding::interpolate(const std::vector<double>& values, int components) const {
+  const std::size_t width = at(components);
+  std::vector<double> carried(m_tet.size() * width, 0.0);
+  for (std::size_t i = 0; i < m_tet.size(); ++i) {
+    for (int k = 0; k < 4; ++k) {
+      const double* corner = values.data() + at(m_tets(m_tet[i], k)) * width;
+      for (std::size_t c = 0; c < width; ++c)
+        carried[i * width + c] += m_weights[i][k] * corner[c];
+    }
+  }
+  return carried;
+}
+
+SurfaceEmbedding::Farthest SurfaceEmbedding::farthest() const {
+  Farthest farthest;
+  for (Eigen::Index i = 0; i < m_rest_points.rows(); ++i) {
+    const std::size_t tet = at(m_tet[at(i)]);
+    const Mat3& gradients = m_inverse_edges[tet]; // rows: of the weights of corners 1 to 3
+    double distance = 0.0;
+    for (int k = 0; k < 4; ++k) {
+      const Vec3 gradient =
+          k == 0 ? Vec3(-gradients.colwise().sum().transpose()) : Vec3(gradients.row(k - 1).transpose());
+      distance = std::max(distance, -m_weights[at(i)][k] / gradient.norm());
+    }
+    if (distance <= farthest.distance)
+      continue;
+    double edge = 0.0;
+    for (int a = 0; a < 4; ++a) {
+      for (int b = a + 1; b < 4; ++b)
+        edge = std::max(
+            edge, (m_rest_vertices.row(m_tets(m_tet[at(i)], a)) - m_rest_vertices.row(m_tets(m_tet[at(i)], b))).norm());
+    }
+    farthest = {distance, edge, m_rest_points.row(i).transpose()};
+  }
+  return farthest;
+}
+
 } // namespace wry::geometry

@@ -23,6 +23,17 @@ public:
   /// number of threads.
   Points deform(const Points& positions, const Threads& threads) const;
 
+  /// Values per vertex of the tet mesh (vertices x components, row after row), between the corners of each point's tet.
+  std::vector<double> interpolate(const std::vector<double>& values, int components) const;
+
+  /// The point that lies farthest outside the tets at rest.
+  struct Farthest {
+    double distance = 0.0; ///< from its tet [m]; 0: all are inside
+    double edge = 0.0;     ///< longest edge of that tet [m]
+    Vec3 point = Vec3::Zero();
+  };
+  Farthest farthest() const;
+
   Eigen::Index points() const { return m_rest_points.rows(); }
   /// The tet of a point, and its barycentric weights there; one is negative where the point lies outside.
   std::int32_t tet(Eigen::Index point) const { return m_tet[static_cast<std::size_t>(point)]; }

@@ -79,6 +79,32 @@ TEST(SurfaceEmbedding, TiesPointsToTetsThatNearlyHoldThem) {
     ASSERT_GT(embedding.weights(i).minCoeff(), -1.5) << bunny.vertices.row(i);
 }
 
+TEST(SurfaceEmbedding, ValuesBetweenCornersAreLinear) {
+  const Carried carried;
+  const Points& vertices = carried.shell.mesh.vertices;
+  const SurfaceEmbedding embedding = SurfaceEmbedding::make(carried.shell.mesh, carried.surface.vertices);
+  const auto value = [](const auto& row) { return 3 * row[0] - 2 * row[1] + row[2] + 5; };
+  std::vector<double> values;
+  for (Eigen::Index i = 0; i < vertices.rows(); ++i)
+    values.push_back(value(vertices.row(i)));
+  const std::vector<double> between = embedding.interpolate(values, 1);
+  ASSERT_EQ(between.size(), static_cast<std::size_t>(carried.surface.vertices.rows()));
+  for (Eigen::Index i = 0; i < carried.surface.vertices.rows(); ++i)
+    EXPECT_NEAR(between[static_cast<std::size_t>(i)], value(carried.surface.vertices.row(i)), 1e-12);
+}
+
+TEST(SurfaceEmbedding, KnowsWhatLiesFarthestOutside) {
+  TetMesh tet;
+  tet.vertices = (Points(4, 3) << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1).finished();
+  tet.tets = (Tets(1, 4) << 0, 1, 2, 3).finished();
+  const Points points = (Points(3, 3) << .1, .1, .1, .2, .2, -.25, .4, .4, .3).finished();
+  const SurfaceEmbedding::Farthest far = SurfaceEmbedding::make(tet, points).farthest();
+  EXPECT_NEAR(far.distance, .25, 1e-12); // the third is .1/sqrt(3) outside
+  EXPECT_NEAR(far.edge, std::sqrt(2.0), 1e-12);
+  EXPECT_EQ(far.point.z(), -.25);
+  EXPECT_EQ(SurfaceEmbedding::make(tet, points.topRows(1)).farthest().distance, 0.0);
+}
+
 TEST(SurfaceEmbedding, HasTheSameBitsOnAnyNumberOfThreads) {
   const Carried carried;
   const SurfaceEmbedding embedding = SurfaceEmbedding::make(carried.shell.mesh, carried.surface.vertices);

@@ -5,6 +5,7 @@
 #include "pipeline/cli/shot_session.h"
 #include "pipeline/cli/verb.h"
 #include "pipeline/export/exporter.h"
+#include "pipeline/plan/drawn_surfaces.h"
 
 namespace wry::pipeline {
 
@@ -50,6 +51,9 @@ Status export_verb(const Invocation& invocation) {
   const Result<SceneStatic> scene = cache->read_static();
   if (!scene)
     return scene.error();
+  const Result<DrawnSurfaces> surfaces = DrawnSurfaces::create(session->shot, *scene);
+  if (!surfaces)
+    return surfaces.error();
   for (const int frame : session->frames) {
     if (!cache->has_frame(frame))
       return make_error(ErrorCode::missing_input, "frame {} is not in {}; run `wry simulate {}` first", frame,
@@ -58,6 +62,8 @@ Status export_verb(const Invocation& invocation) {
   for (const Exporter* exporter : *formats) {
     ExportJob job{*cache,
                   *scene,
+                  surfaces->scene(),
+                  [&](const Frame& frame) { return surfaces->carry(frame); },
                   session->out / "frames",
                   session->out / "exports" / exporter->name,
                   *session->shot.shot.name,

@@ -24,13 +24,19 @@ namespace fs = std::filesystem;
 constexpr int MESH_PICTURES = 96;
 constexpr double FILM_FPS = 24.0;
 
+/// Frames that play while their scene turns.
+struct MovingSubject {
+  FrameCache cache;
+  DrawnSurfaces surfaces;
+};
+
 /// What turns: a scene on one frame, and how it is drawn.
 struct Subject {
   render::RenderPlan plan;
   SceneStatic scene;
   Frame frame;
   TurntableJob job;
-  std::optional<FrameCache> moving; ///< the frames that play while it turns; absent: `frame` stands still
+  std::optional<MovingSubject> moving; ///< the frames that play while it turns; absent: `frame` stands still
 };
 
 Result<Subject> shot_subject(const ShotSession& session, const Invocation& invocation, render::GlBackend backend) {
@@ -74,6 +80,10 @@ Result<Subject> shot_subject(const ShotSession& session, const Invocation& invoc
   if (!appearances)
     return appearances.error();
   plan->appearances = std::move(*appearances);
+  Result<DrawnSurfaces> surfaces = DrawnSurfaces::create(session.shot, *scene);
+  if (!surfaces)
+    return surfaces.error();
+  plan->appearances.insert(surfaces->appearances().begin(), surfaces->appearances().end());
   TurntableJob job;
   job.folder = session.out / "turntable";
   job.name = fmt::format("{}.{:04}", *session.shot.shot.name, number);
@@ -84,9 +94,9 @@ Result<Subject> shot_subject(const ShotSession& session, const Invocation& invoc
     job.inputs_key += moving || cached.number == number ? cached.sha256 : "";
   for (const shots::FlatKey& key : shots::flatten(session.shot))
     job.inputs_key += key.effect == shots::Effect::pictures ? key.key + "=" + key.value + " " : "";
-  Subject subject{std::move(*plan), std::move(*scene), std::move(*frame), std::move(job), std::nullopt};
+  Subject subject{std::move(*plan), surfaces->scene(), surfaces->carry(*frame), std::move(job), std::nullopt};
   if (moving)
-    subject.moving.emplace(std::move(*cache));
+    subject.moving.emplace(MovingSubject{std::move(*cache), std::move(*surfaces)});
   return subject;
 }
 
@@ -155,7 +165,7 @@ Status turntable_verb(const Invocation& invocation) {
     if (std::sscanf(invocation.part.c_str(), "%d/%d", &job.part, &job.parts) != 2 || job.parts < 1)
       return make_error(ErrorCode::usage, "--part {}: expected i/n", invocation.part);
     const Result<RenderOutcome> outcome =
-        subject->moving ? render_moving_turntable(subject->plan, subject->scene, *subject->moving, job)
+        subject->moving ? render_moving_turntable(subject->plan, subject->moving->surfaces, subject->moving->cache, job)
                         : render_turntable(subject->plan, subject->scene, subject->frame, job);
     return outcome ? Status() : Status(outcome.error());
   }
