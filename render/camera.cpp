@@ -69,11 +69,13 @@ Result<Camera> place_camera(const PlacedCamera& placed, const Vec3& up, Camera c
   const Vec3 arm = placed.eye - placed.target;
   if (!(arm.norm() > 0.0) || !arm.allFinite())
     return make_error(ErrorCode::bad_input, "the camera's eye and target are the same point: move one of them");
-  const Vec3 turned = Eigen::AngleAxisd(2.0 * std::numbers::pi * turns, up) * arm;
-  if (turned.normalized().cross(up).norm() < 1e-6)
-    return make_error(ErrorCode::bad_input, "the camera looks straight along the up axis: tilt it a little");
+  const Eigen::AngleAxisd turn(2.0 * std::numbers::pi * turns, up);
+  const Vec3 turned = turn * arm;
+  const Vec3 upward = placed.up ? Vec3(turn * *placed.up) : up;
+  if (turned.normalized().cross(upward).norm() < 1e-6)
+    return make_error(ErrorCode::bad_input, "the camera looks straight along its up axis: tilt it a little");
   camera.eye = placed.target + turned;
-  camera.axes = axes_looking(turned, up);
+  camera.axes = axes_looking(turned, upward);
   return camera;
 }
 

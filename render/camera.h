@@ -17,6 +17,7 @@ struct ImageSize {
 struct PlacedCamera {
   Vec3 eye = Vec3(0, 0, 5);   ///< [m]
   Vec3 target = Vec3::Zero(); ///< [m]
+  std::optional<Vec3> up;     ///< what points upward in the picture; absent: the world's up
 };
 
 /// What is asked of the camera. Angles are about the subject, as a turntable turns.

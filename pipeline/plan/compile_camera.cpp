@@ -36,9 +36,9 @@ Result<CameraMotion> CameraMotion::create(const shots::Shot& shot, const SceneSt
   motion.m_plan.margin = *camera.margin;
   const Vec3 target = camera.target ? **camera.target : bounds.centre();
   if (camera.position)
-    motion.m_plan.placed = render::PlacedCamera{**camera.position, target};
+    motion.m_plan.placed = render::PlacedCamera{**camera.position, target, {}};
   else if (camera.distance)
-    motion.m_plan.placed = render::PlacedCamera{eye_on_orbit(camera, target, motion.m_up), target};
+    motion.m_plan.placed = render::PlacedCamera{eye_on_orbit(camera, target, motion.m_up), target, {}};
   if (shot.render.depth_of_field) {
     motion.m_plan.f_stop = *shot.render.depth_of_field->f_stop;
     if (shot.render.depth_of_field->focus)
@@ -103,7 +103,7 @@ render::CameraPlan CameraMotion::along_file(const scene::Pose& pose) const {
   render::CameraPlan plan = m_plan;
   const Vec3 forward = -pose.rotation.col(2);
   const double reach = std::max(forward.dot(m_bounds.centre() - pose.translation), 0.1 * m_bounds.radius());
-  plan.placed = render::PlacedCamera{pose.translation, pose.translation + reach * forward};
+  plan.placed = render::PlacedCamera{pose.translation, pose.translation + reach * forward, pose.rotation.col(1)};
   return plan;
 }
 
@@ -133,7 +133,7 @@ render::CameraPlan CameraMotion::along_keys(double frame) const {
     place = (2 * s3 - 3 * s2 + 1) * m_keys[left].place + (s3 - 2 * s2 + s) * length * slope(left) +
             (3 * s2 - 2 * s3) * m_keys[right].place + (s3 - s2) * length * slope(right);
   }
-  plan.placed = render::PlacedCamera{place.head<3>(), place.segment<3>(3)};
+  plan.placed = render::PlacedCamera{place.head<3>(), place.segment<3>(3), {}};
   plan.lens_mm = std::clamp(place[6], 10.0, 1000.0);
   return plan;
 }
@@ -145,7 +145,10 @@ Result<render::CameraPlan> CameraMotion::at(const Frame& frame) const {
   const double turns = m_turns * (frame.number - m_first) / (m_last - m_first);
   if (plan.placed) {
     const Vec3 arm = plan.placed->eye - plan.placed->target;
-    plan.placed->eye = plan.placed->target + Eigen::AngleAxisd(2.0 * std::numbers::pi * turns, m_up) * arm;
+    const Eigen::AngleAxisd turn(2.0 * std::numbers::pi * turns, m_up);
+    plan.placed->eye = plan.placed->target + turn * arm;
+    if (plan.placed->up)
+      plan.placed->up = turn * *plan.placed->up;
   } else {
     plan.azimuth_degrees += 360.0 * turns;
   }
@@ -163,7 +166,7 @@ Result<render::CameraPlan> CameraMotion::at(const Frame& frame) const {
         render::frame_camera(plan, m_up, m_bounds, m_size, render::Framing::still, 0.0);
     if (!framed)
       return framed.error();
-    plan.placed = render::PlacedCamera{framed->eye, body.centre()};
+    plan.placed = render::PlacedCamera{framed->eye, body.centre(), {}};
   }
   plan.placed->target = body.centre();
   return plan;

@@ -75,6 +75,22 @@ TEST(Camera, AxesAreRightHandedAndLevel) {
   EXPECT_GT(camera->axes.col(1).z(), 0.0);
 }
 
+TEST(Camera, RollsAndLooksStraightDownWhereItsOwnUpSaysSo) {
+  const SubjectBounds bounds = bounds_of(testing::pebble(20, 20));
+  CameraPlan plan;
+  plan.placed = PlacedCamera{Vec3(0, 0, 5), Vec3::Zero(), Vec3(1, 1, 0)};
+  const Result<Camera> rolled = frame_camera(plan, Vec3::UnitY(), bounds, {640, 480}, Framing::still, 0.0);
+  ASSERT_TRUE(rolled.ok());
+  EXPECT_NEAR((rolled->axes.col(1) - Vec3(1, 1, 0).normalized()).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((rolled->axes.col(2) - Vec3::UnitZ()).norm(), 0.0, 1e-12);
+  plan.placed = PlacedCamera{Vec3(0, 5, 0), Vec3::Zero(), {}};
+  EXPECT_FALSE(frame_camera(plan, Vec3::UnitY(), bounds, {640, 480}, Framing::still, 0.0).ok());
+  plan.placed->up = Vec3(0, 0, -1);
+  const Result<Camera> down = frame_camera(plan, Vec3::UnitY(), bounds, {640, 480}, Framing::still, 0.25);
+  ASSERT_TRUE(down.ok());
+  EXPECT_NEAR((down->axes.col(1) - Vec3(-1, 0, 0)).norm(), 0.0, 1e-12); // a quarter turn about y takes -z to -x
+}
+
 TEST(Camera, RefusesValuesOutsideTheirLimits) {
   const SubjectBounds bounds = bounds_of(testing::sphere(Vec3(0, 0, 0), 1, 8, 8));
   const auto refused = [&](const CameraPlan& plan, const ImageSize& size) {

@@ -23,7 +23,7 @@ struct SeenBall {
     made.size = {320, 180};
     made.ground.kind = Ground::Kind::none;
     made.camera.lens_mm = 50;
-    made.camera.placed = PlacedCamera{centre + Vec3(0, 0, distance), centre};
+    made.camera.placed = PlacedCamera{centre + Vec3(0, 0, distance), centre, {}};
     return made;
   }
 
@@ -206,7 +206,7 @@ TEST(Glass, LetsWhatIsBehindThroughAndMirrorsAtItsRim) {
   scene.bounds.include(behind.bounds);
   RenderPlan plan = testing::small_plan(scene);
   plan.looks["red"].base_colour = {.6f, .02f, .02f};
-  plan.camera.placed = PlacedCamera{Vec3(0, 1, 6), Vec3(0, 1, 0)};
+  plan.camera.placed = PlacedCamera{Vec3(0, 1, 6), Vec3(0, 1, 0), {}};
   Result<Renderer> renderer = Renderer::create(plan, scene.scene);
   ASSERT_TRUE(renderer.ok()) << renderer.error().message;
   const Result<LinearImage> image = renderer->draw_linear(scene.frame, {});

@@ -50,7 +50,7 @@ TEST(Renderer, RefusesASceneWithoutTriangles) {
 TEST(Renderer, RefusesACameraInsideTheSubject) {
   const MeshScene ball = make_mesh_scene(testing::sphere(Vec3(0, 1, 0), 1, 24, 24), "ball", "clay");
   RenderPlan plan = testing::small_plan(ball);
-  plan.camera.placed = PlacedCamera{Vec3(0.1, 1.2, 0.3), Vec3(0, 1, 0)};
+  plan.camera.placed = PlacedCamera{Vec3(0.1, 1.2, 0.3), Vec3(0, 1, 0), {}};
   Result<Renderer> renderer = Renderer::create(plan, ball.scene);
   ASSERT_TRUE(renderer.ok());
   const Result<Image> image = renderer->draw(ball.frame, {});
