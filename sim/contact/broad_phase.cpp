@@ -17,6 +17,8 @@ constexpr double STEPS_AHEAD = 2.0;
 constexpr double AHEAD = 2.0;
 /// Ways longer than so many margins are long.
 constexpr double LONG_WAY = 4.0;
+/// Lists for ways longer than so many margins are made anew for short ways: looking through them takes longer.
+constexpr double TOO_LONG_WAY = 16.0;
 /// Half the side of small boxes, as a share of the distance.
 constexpr double SMALL_ROOM = 0.25;
 constexpr std::size_t PICK_GRAIN = 2048;
@@ -180,11 +182,10 @@ bool BroadPhase::cover(const Points& from, const Points& to, double distance, do
     if (!lists.needed)
       continue;
     // Lists for long ways are always made anew, so that whether they fit depends on these ways alone and not on what
-    // was searched before: a run that is resumed must take the same steps. For short ways they are too long to look
-    // through.
+    // was searched before: a run that is resumed must take the same steps.
     const double way = longest_way(from, to, group);
     const bool anew = way > LONG_WAY * margin ||
-                      (&from != &to && lists.longest_way > LONG_WAY * margin && way < 0.25 * lists.longest_way);
+                      (&from != &to && lists.longest_way > TOO_LONG_WAY * margin && way < 0.25 * lists.longest_way);
     if (!lists.valid || anew || distance > lists.distance || !hold(lists.rooms, group, from, to)) {
       searched = true;
       give_rooms(from, to, group, margin);

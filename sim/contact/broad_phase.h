@@ -45,6 +45,11 @@ public:
   /// False when there are more than most_pairs: then a group's lists are empty and a shorter way must be asked for.
   bool cover(const Points& from, const Points& to, double distance, double margin);
 
+  /// How far the nodes go at most, by coordinate, beside what the middle of their part goes [m].
+  double longest_way_within(const Points& from, const Points& to) const {
+    return longest_way(from, to, PairGroup::within_parts);
+  }
+
   /// In the order of first, then second.
   const std::vector<CandidatePair>& pairs(PairGroup group, PairKind kind) const {
     return lists(group).near[static_cast<std::size_t>(kind)];

@@ -24,6 +24,9 @@ constexpr double REST_SHARE = 0.5;
 /// Nodes get this share of the mean edge to move in before candidates are searched again: a search costs as much as
 /// looking through some twenty lists, and longer lists are not much longer.
 constexpr double ROOM_SHARE = 0.25;
+/// Ways that bend a body by more rooms than this are not asked for whole: a direction along negative curvature has no
+/// length of its own, and its list would be of everything with everything.
+constexpr double MOST_ROOMS = 64.0;
 constexpr std::size_t GRAIN = 2048;
 
 class Stopwatch {
@@ -384,8 +387,9 @@ double ContactSystem::step_limit(const Points& positions, const Points& change) 
 }
 
 double ContactSystem::safe_fraction(const Points& from, const Points& to) {
-  double part = 1.0;
-  Points end = to;
+  const double way = m_broad_phase->longest_way_within(from, to);
+  double part = way > MOST_ROOMS * m_room ? MOST_ROOMS * m_room / way : 1.0;
+  Points end = part < 1.0 ? Points(from + part * (to - from)) : to;
   {
     const Stopwatch watch(m_cost.search_ms);
     while (!m_broad_phase->cover(from, end, m_distance, m_room)) {

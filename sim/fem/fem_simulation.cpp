@@ -23,7 +23,13 @@ namespace wry::fem {
 
 namespace {
 
-constexpr int FRICTION_PASSES = 2;
+/// Friction follows the normal forces in three passes. The first finds them roughly, to this share of the residual it
+/// begins with. The second to this share of the momentum that friction gives the nodes: a momentum which is out of
+/// balance by so much can be missing in the normal forces, so friction is off by at most mu times that share in the
+/// last pass, which is solved to the tolerance.
+constexpr double ROUGH_SHARE = 0.02;
+constexpr double FRICTION_SHARE = 0.05;
+enum class FrictionPass { rough, near, last };
 /// A body that comes nearer than this share of d-hat gets a stiffer barrier for the steps to come.
 constexpr double CROWDED_SHARE = 0.02;
 constexpr double STIFFEN_BY = 4.0;
@@ -56,6 +62,7 @@ private:
   std::optional<Trial> first_guess(const PlannedStage& planned) const;
   void turn_ahead(const Points& increments);
   double tolerance(double dt) const;
+  double friction_momentum(const Stage& stage, const Trial& trial) const;
   NewtonReport attempt(double dt, double end);
   NewtonReport solve(const PlannedStage& planned, Trial& trial);
   void accept(const Stage& stage, const Trial& trial);
@@ -76,7 +83,7 @@ private:
   std::vector<EnergyTerm*> m_terms;
   Boundary m_boundary;
   std::vector<Mat3> m_node_rotations;
-  bool m_friction = false;
+  std::vector<const EnergyTerm*> m_friction;
   FemState m_state;
   StepControl m_control;
   TimeIntegrator m_integrator;
@@ -133,7 +140,8 @@ void Simulation::make_terms() {
     std::unique_ptr<EnergyTerm> term = entry.make(m_scene.model, m_contact);
     if (!term)
       continue;
-    m_friction = m_friction || entry.name == "plane_friction" || entry.name == "pair_friction";
+    if (entry.name == "plane_friction" || entry.name == "pair_friction")
+      m_friction.push_back(term.get());
     m_terms.push_back(term.get());
     m_node_terms.push_back(std::move(term));
   }
@@ -208,6 +216,14 @@ double Simulation::tolerance(double dt) const {
   return std::min(m_plan.settings.newton_tolerance, std::sqrt(squares) * speed);
 }
 
+/// What friction gives the nodes in the step [N s].
+double Simulation::friction_momentum(const Stage& stage, const Trial& trial) const {
+  std::vector<double> momentum(m_scene.model.layout.dof_count(), 0.0);
+  for (const EnergyTerm* term : m_friction)
+    term->add_gradient(stage, trial, momentum);
+  return Eigen::Map<const Eigen::VectorXd>(momentum.data(), static_cast<Eigen::Index>(momentum.size())).norm();
+}
+
 /// Turns the stored rotations of nodes and quadrature points.
 void Simulation::turn_ahead(const Points& increments) {
   Trial turn;
@@ -249,11 +265,20 @@ NewtonReport Simulation::solve(const PlannedStage& planned, Trial& trial) {
     return blocked;
   }
   trial = std::move(*guess);
-  NewtonReport total = minimise(problem, settings, stage, trial);
-  for (int pass = 1; m_friction && total.converged && pass < FRICTION_PASSES; ++pass) {
+  if (m_friction.empty())
+    return minimise(problem, settings, stage, trial);
+  NewtonReport total;
+  for (const FrictionPass pass : {FrictionPass::rough, FrictionPass::near, FrictionPass::last}) {
+    NewtonSettings own = settings;
+    if (pass == FrictionPass::rough)
+      own.relative_tolerance = ROUGH_SHARE;
+    if (pass == FrictionPass::near)
+      own.tolerance = std::max(settings.tolerance, FRICTION_SHARE * friction_momentum(stage, trial));
+    total = sum_of(total, minimise(problem, own, stage, trial));
+    if (!total.converged || pass == FrictionPass::last)
+      break;
     for (EnergyTerm* term : m_terms)
       term->begin_solve(stage, trial);
-    total = sum_of(total, minimise(problem, settings, stage, trial));
   }
   return total;
 }

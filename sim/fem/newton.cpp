@@ -111,7 +111,7 @@ private:
   bool at_floor() const { return m_now.residual <= FLOOR_MARGIN * m_report.round_off_floor; }
 
   bool converged() {
-    if (m_now.residual <= m_settings.tolerance)
+    if (m_now.residual <= std::max(m_settings.tolerance, m_settings.relative_tolerance * m_first_residual))
       return true;
     const bool stagnates = m_report.iterations > 0 && m_now.residual > 0.5 * m_previous_residual;
     return stagnates && at_floor();

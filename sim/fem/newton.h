@@ -14,7 +14,8 @@ namespace wry::fem {
 struct NewtonSettings {
   double tolerance = 1e-8; ///< of |gradient| over the free unknowns
   int max_iterations = 60;
-  double linear_tolerance = 0.0; ///< relative; 0: as much as the progress deserves
+  double linear_tolerance = 0.0;   ///< relative; 0: as much as the progress deserves
+  double relative_tolerance = 0.0; ///< enough, too, as a share of the residual at the start
 };
 
 /// What a minimisation did.
