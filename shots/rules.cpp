@@ -481,7 +481,8 @@ private:
   void check_measure(const Measure& measure) {
     need_body(*measure.body, measure.source);
     const bool along_axis = needs_axis(*measure.kind);
-    const bool maybe_along_axis = along_axis || *measure.kind == MeasureKind::run_out;
+    const bool maybe_along_axis =
+        along_axis || *measure.kind == MeasureKind::run_out || *measure.kind == MeasureKind::mean_alignment;
     if (*measure.kind == MeasureKind::fraction_outside && !measure.where) {
       refuse(below(measure.source, "where"), " is missing: the part of space that the particles are outside of");
     }

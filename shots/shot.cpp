@@ -17,7 +17,6 @@ bool needs_axis(MeasureKind kind) {
   case MeasureKind::extent:
   case MeasureKind::centre:
   case MeasureKind::front_position:
-  case MeasureKind::mean_alignment:
   case MeasureKind::bound_low:
   case MeasureKind::bound_high:
   case MeasureKind::tip_position:

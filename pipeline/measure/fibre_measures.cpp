@@ -28,26 +28,32 @@ template <class Visit> void for_rows(const MeasurePlan& plan, std::size_t rows, 
     visit(static_cast<std::size_t>(i));
 }
 
-/// The mean over the particles, in the world; not finite without axes.
-Mat3 mean_second_moment(const MeasurePlan& plan, const FrameBody& frame) {
-  Mat3 sum = Mat3::Zero();
-  double count = 0.0;
+/// The second moment of each particle's grains, in the world; no particle has one without axes.
+template <class Visit> void for_moments(const MeasurePlan& plan, const FrameBody& frame, const Visit& visit) {
   if (const Channel* moments = find_channel(frame, "second_moment")) {
     for_rows(plan, moments->values.size() / 6, [&](std::size_t i) {
       const double* m = moments->values.data() + 6 * i; // xx yy zz yz zx xy
       Mat3 moment;
       moment << m[0], m[5], m[4], m[5], m[1], m[3], m[4], m[3], m[2];
-      sum += moment;
-      count += 1.0;
+      visit(i, moment);
     });
   } else if (const Channel* frames = find_channel(frame, "orientation")) {
     for_rows(plan, frames->values.size() / 4, [&](std::size_t i) {
       const double* q = frames->values.data() + 4 * i;
       const Vec3 fibre = rotation_matrix(Vec4(q[0], q[1], q[2], q[3]).normalized()).col(2);
-      sum += fibre * fibre.transpose();
-      count += 1.0;
+      visit(i, Mat3(fibre * fibre.transpose()));
     });
   }
+}
+
+/// The mean over the particles; not finite without axes.
+Mat3 mean_second_moment(const MeasurePlan& plan, const FrameBody& frame) {
+  Mat3 sum = Mat3::Zero();
+  double count = 0.0;
+  for_moments(plan, frame, [&](std::size_t, const Mat3& moment) {
+    sum += moment;
+    count += 1.0;
+  });
   return sum / count;
 }
 
@@ -63,7 +69,28 @@ std::size_t root_of(std::vector<std::size_t>& parent, std::size_t i) {
 
 } // namespace
 
+namespace {
+
+/// Of what moves, against its own velocity.
+double alignment_with_flow(const MeasurePlan& plan, const FrameBody& frame) {
+  constexpr double STILL = 1e-3; // [m/s]
+  const PointMap velocities = point_channel(frame, "velocity");
+  double sum = 0.0, count = 0.0;
+  for_moments(plan, frame, [&](std::size_t i, const Mat3& moment) {
+    const Vec3 velocity = velocities.row(static_cast<Eigen::Index>(i));
+    if (velocity.norm() < STILL)
+      return;
+    sum += velocity.dot(moment * velocity) / velocity.squaredNorm();
+    count += 1.0;
+  });
+  return sum / count;
+}
+
+} // namespace
+
 double mean_alignment(const MeasurePlan& plan, const SceneBody&, const FrameBody& frame) {
+  if (plan.direction.isZero())
+    return alignment_with_flow(plan, frame);
   return plan.direction.dot(mean_second_moment(plan, frame) * plan.direction);
 }
 

@@ -333,7 +333,8 @@ Status SceneCompiler::compile_measures() {
     compiled.name = *measure.name;
     compiled.kind = *measure.kind;
     compiled.body = m_plan.sim.body_index(*measure.body);
-    compiled.direction = measure.axis ? axis_vector(**measure.axis) : m_plan.sim.up;
+    const bool along_flow = *measure.kind == shots::MeasureKind::mean_alignment && !measure.axis;
+    compiled.direction = measure.axis ? axis_vector(**measure.axis) : along_flow ? Vec3(Vec3::Zero()) : m_plan.sim.up;
     if (measure.about)
       compiled.about = **measure.about;
     compiled.at = *measure.at;

@@ -39,6 +39,17 @@ TEST(FibreMeasures, SecondMomentsOfGrainsCountBeforeTheirFrames) {
   EXPECT_NEAR(second_moment(along(Vec3::UnitX()), {}, body), 0.4 + std::sqrt(0.01 + 0.01), 1e-12);
 }
 
+TEST(FibreMeasures, AlignmentWithTheFlowIsThatOfWhatMoves) {
+  // Fibres along z: one goes along it, one across, one at 60 degrees to it, one stands still.
+  FrameBody body = with_channel("orientation", 4, {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  const double s = std::sqrt(0.75);
+  body.channels.push_back(
+      {"velocity", ChannelOn::particle, 3, ChannelStorage::float32, {0, 0, -3, 2, 0, 0, s, 0, 0.5, 0, 0, 0}});
+  EXPECT_NEAR(mean_alignment(along(Vec3::Zero()), {}, body), (1.0 + 0.0 + 0.25) / 3.0, 1e-12);
+  body.channels.back().values.assign(12, 0.0);
+  EXPECT_TRUE(std::isnan(mean_alignment(along(Vec3::Zero()), {}, body)));
+}
+
 TEST(FibreMeasures, WithoutAxesThereIsNoAlignment) {
   const FrameBody body = with_channel("position", 3, {0, 0, 0});
   EXPECT_TRUE(std::isnan(mean_alignment(along(Vec3::UnitX()), {}, body)));

@@ -37,7 +37,8 @@ struct SubParticles::Field {
   alignas(64) Quad flow[NODES];
   alignas(64) float density[NODES]; ///< share of rho_0
   BlockCoord coord;
-  Vec3 origin; ///< of the block's first node, in cells
+  Vec3 origin;                ///< of the block's first node, in cells
+  float least_density = 0.0F; ///< of all nodes
   std::vector<NearWall> walls;
   const Boundaries* boundaries = nullptr;
   Vec3 gravity;
@@ -70,6 +71,9 @@ struct SubParticles::Field {
   double density_at(const Vec3& point) const {
     std::array<Axis, 3> a;
     const int first = stencil(point, a);
+    return density_in(a, first);
+  }
+  double density_in(const std::array<Axis, 3>& a, int first) const {
     float sum = 0.0F;
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) {
@@ -79,28 +83,30 @@ struct SubParticles::Field {
     }
     return sum;
   }
-  /// Velocity, its gradient as APIC sees it, both by least squares over the active nodes (S7), and density. False where
-  /// no node is active.
-  bool motion_at(const Vec3& point, Vec3& velocity, Mat3& gradient, double& share) const {
+  /// Velocity and its gradient as APIC sees it, both by least squares over the active nodes (S7). False where the
+  /// matter is thinner than `least`, or no node is active.
+  bool motion_at(const Vec3& point, double least, Vec3& velocity, Mat3& gradient) const {
     std::array<Axis, 3> a;
     const int first = stencil(point, a);
+    // Where every node is denser, so is their mean; a little more, for its rounding.
+    if (least_density < 1.0001 * least && density_in(a, first) < least)
+      return false;
+    // Axis by axis, since weights are products.
     Quad sum = {}, along[3] = {};
-    float dense = 0.0F;
     for (int i = 0; i < 3; ++i) {
+      Quad plain_y = {}, slope_y = {}, slope_z = {};
       for (int j = 0; j < 3; ++j) {
         const Quad* row = flow + first + (i * SIDE + j) * SIDE;
         const Quad plain = a[2].w[0] * row[0] + a[2].w[1] * row[1] + a[2].w[2] * row[2];
-        const Quad slope = a[2].d[0] * row[0] + a[2].d[1] * row[1] + a[2].d[2] * row[2];
-        const float w = a[0].w[i] * a[1].w[j];
-        const float* mass = density + first + (i * SIDE + j) * SIDE;
-        dense += w * (a[2].w[0] * mass[0] + a[2].w[1] * mass[1] + a[2].w[2] * mass[2]);
-        sum += w * plain;
-        along[0] += a[0].d[i] * a[1].w[j] * plain;
-        along[1] += a[0].w[i] * a[1].d[j] * plain;
-        along[2] += w * slope;
+        slope_z += a[1].w[j] * (a[2].d[0] * row[0] + a[2].d[1] * row[1] + a[2].d[2] * row[2]);
+        plain_y += a[1].w[j] * plain;
+        slope_y += a[1].d[j] * plain;
       }
+      sum += a[0].w[i] * plain_y;
+      along[0] += a[0].d[i] * plain_y;
+      along[1] += a[0].w[i] * slope_y;
+      along[2] += a[0].w[i] * slope_z;
     }
-    share = dense;
     if (!(sum[3] > 1e-6F))
       return false;
     const double inverse = 1.0 / static_cast<double>(sum[3]);
@@ -118,23 +124,34 @@ private:
   /// (h^2/4) K^-1 of a stencil with inactive nodes, K their second moment about their mean; its inverse is damped where
   /// the nodes lie in a plane.
   Mat3 shrunk(const std::array<Axis, 3>& a, int first, double inverse, const Vec3& centre) const {
-    Mat3 K = Mat3::Zero();
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        for (int k = 0; k < 3; ++k) {
-          const double active = flow[first + (i * SIDE + j) * SIDE + k][3];
-          const int at[3] = {i, j, k};
-          Vec3 d;
-          double w = active;
-          for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double weight = a[axis].w[at[axis]];
-            w *= weight;
-            d[static_cast<Eigen::Index>(axis)] = weight > 1e-9 ? a[axis].d[at[axis]] / weight : 0.0;
-          }
-          K += w * d * d.transpose();
-        }
+    float squared[3][3]; // weight times squared distance, per axis and node
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (std::size_t at = 0; at < 3; ++at) {
+        const float weight = a[axis].w[at], moment = a[axis].d[at];
+        squared[axis][at] = weight > 1e-9F ? moment * moment / weight : 0.0F;
       }
     }
+    float xx = 0.0F, yy = 0.0F, zz = 0.0F, yz = 0.0F, xz = 0.0F, xy = 0.0F;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        const Quad* row = flow + first + (i * SIDE + j) * SIDE;
+        float plain = 0.0F, slope = 0.0F, curve = 0.0F;
+        for (int k = 0; k < 3; ++k) {
+          const float active = row[k][3];
+          plain += active * a[2].w[k];
+          slope += active * a[2].d[k];
+          curve += active * squared[2][k];
+        }
+        xx += squared[0][i] * a[1].w[j] * plain;
+        yy += a[0].w[i] * squared[1][j] * plain;
+        zz += a[0].w[i] * a[1].w[j] * curve;
+        yz += a[0].w[i] * a[1].d[j] * slope;
+        xz += a[0].d[i] * a[1].w[j] * slope;
+        xy += a[0].d[i] * a[1].d[j] * plain;
+      }
+    }
+    Mat3 K;
+    K << xx, xy, xz, xy, yy, yz, xz, yz, zz;
     K = K * inverse - centre * centre.transpose();
     const Mat3 damped = 4.0 * K + 0.05 * Mat3::Identity();
     Mat3 adjugate;
@@ -326,7 +343,7 @@ namespace {
 Vec4 small_turn(const Mat3& C, double dt) {
   Mat3 R = Mat3::Identity() + dt * C;
   double error = dt * C.norm();
-  for (int i = 0; i < 6 && error > 1e-9; ++i, error *= error) {
+  for (int i = 0; i < 6 && error > 1e-7; ++i, error *= error) { // the velocities have seven digits
     Mat3 cofactors;
     cofactors.row(0) = R.row(1).cross(R.row(2));
     cofactors.row(1) = R.row(2).cross(R.row(0));
@@ -338,15 +355,18 @@ Vec4 small_turn(const Mat3& C, double dt) {
 
 } // namespace
 
+/// Thinner matter carries no grain.
+double SubParticles::thinnest() const {
+  return std::max(m_settings.escape_density, FLOATING * m_settings.capture_density);
+}
+
 /// RK2: the midpoint is predicted with the velocity of the midpoint before, which leaves the order and saves half of
 /// the interpolation. Returns whether there is matter to be carried by.
 bool SubParticles::carry(std::size_t grain, const Field& field) {
   Vec3& position = m_position[grain];
   Vec3 middle;
   Mat3 gradient;
-  double density = 0.0;
-  if (!field.motion_at(position + 0.5 * field.dt * m_velocity[grain], middle, gradient, density) ||
-      density < std::max(m_settings.escape_density, FLOATING * m_settings.capture_density))
+  if (!field.motion_at(position + 0.5 * field.dt * m_velocity[grain], thinnest(), middle, gradient))
     return false;
   if (m_blend[grain] > 0) {
     const double own = static_cast<double>(m_blend[grain]--) / (BLEND_UPDATES + 1);
@@ -395,7 +415,15 @@ bool SubParticles::update_run(const Run& run, const Field& field) {
   const double capture = std::max(m_settings.capture_density, 2.0 * m_settings.escape_density);
   const double inverse = 1.0 / field.cell;
   bool strayed = false;
+  constexpr std::size_t AHEAD = 6;
   for (std::size_t i = run.begin; i < run.end; ++i) {
+    if (i + AHEAD < run.end) { // grains of a block lie apart in memory
+      const std::size_t next = m_order[i + AHEAD];
+      __builtin_prefetch(&m_position[next], 1);
+      __builtin_prefetch(&m_velocity[next], 1);
+      __builtin_prefetch(&m_spin[next], 1);
+      __builtin_prefetch(&m_orientation[next], 1);
+    }
     const std::size_t grain = m_order[i];
     Phase& phase = m_state[grain];
     if (phase != Phase::carried && field.density_at(m_position[grain]) > capture) {
@@ -464,6 +492,7 @@ void SubParticles::follow(const Grid<Scalar>& grid, const Boundaries& boundaries
           active ? Quad{static_cast<float>(value[0]), static_cast<float>(value[1]), static_cast<float>(value[2]), 1.0F}
                  : Quad{};
     }
+    field.least_density = *std::min_element(field.density, field.density + NODES);
     strayed[r] = update_run(run, field) ? 1 : 0;
     for (std::size_t i = run.begin; i < run.end; ++i) {
       if (m_state[m_order[i]] == Phase::flying)

@@ -72,6 +72,7 @@ private:
 
   void sort(double cell);
   bool update_run(const Run& run, const Field& field);
+  double thinnest() const;
   bool carry(std::size_t grain, const Field& field);
   bool rest(std::size_t grain, const Field& field);
   void fly(std::size_t grain, const Field& field);
