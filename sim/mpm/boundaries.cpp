@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/mpm/semi_implicit.h"
+
 namespace wry::mpm {
 
 namespace {
@@ -77,6 +79,32 @@ std::vector<std::shared_ptr<const scene::Collider>> obstacles_of(std::shared_ptr
   }
   return walls;
 }
+
+/// Gathers what the contacts of a node leave of its freedom.
+class Freedom {
+public:
+  /// A contact with this normal; `sticks`: nothing is left.
+  void touch(const Vec3& normal, bool sticks) {
+    constexpr double PARALLEL = 1e-3;
+    const Vec3 edge = m_direction.cross(normal);
+    if (sticks || (m_kind == Kind::along && std::abs(m_direction.dot(normal)) > PARALLEL)) {
+      m_kind = Kind::all;
+    } else if (m_kind == Kind::none) {
+      m_kind = Kind::across;
+      m_direction = normal;
+    } else if (m_kind == Kind::across && edge.norm() > PARALLEL) {
+      m_kind = Kind::along;
+      m_direction = edge.normalized();
+    }
+  }
+  bool is_whole() const { return m_kind == Kind::none; }
+  NodeConstraint of(int node) const { return {node, m_kind, m_direction}; }
+
+private:
+  using Kind = NodeConstraint::Kind;
+  Kind m_kind = Kind::none;
+  Vec3 m_direction = Vec3::Zero();
+};
 
 } // namespace
 
@@ -178,7 +206,8 @@ double Boundaries::clear_of_block(const Obstacle& obstacle, const BlockCoord& co
   return distance - (MIDDLE * std::sqrt(3.0) + MARGIN) * m_cell;
 }
 
-template <class Scalar> void Boundaries::constrain_nodes(const BlockCoord& coord, Scalar* values) const {
+template <class Scalar>
+void Boundaries::constrain_nodes(const BlockCoord& coord, Scalar* values, std::vector<NodeConstraint>* found) const {
   // Nowhere within `clear` of the block's middle; most nodes of a block that an obstacle touches are further in.
   struct Near {
     const Obstacle* obstacle;
@@ -214,6 +243,7 @@ template <class Scalar> void Boundaries::constrain_nodes(const BlockCoord& coord
     const Vec3 before(value[0], value[1], value[2]);
     Vec3 velocity = before;
     touched.clear();
+    Freedom freedom;
     for (const auto& [obstacle, clear] : near) {
       if (from_middle >= clear && obstacle->field.distance(obstacle->pose, at, 2.0 * surface) <= surface)
         touched.push_back({obstacle, obstacle->field.sample(obstacle->pose, at).normal});
@@ -222,13 +252,21 @@ template <class Scalar> void Boundaries::constrain_nodes(const BlockCoord& coord
     for (int round = touched.size() > 1 ? 2 : 1; round > 0; --round) {
       for (const auto& [obstacle, normal] : touched) {
         const scene::Collider& collider = obstacle->field.collider();
-        velocity = contact_velocity(velocity, obstacle->twist.at(at), normal, collider.contact, collider.friction);
+        const Vec3 wall = obstacle->twist.at(at);
+        const Vec3 after = contact_velocity(velocity, wall, normal, collider.contact, collider.friction);
+        if (found != nullptr && (after != velocity || collider.contact != scene::ColliderContact::separate))
+          freedom.touch(normal, after == wall);
+        velocity = after;
       }
     }
     for (const Obstacle* space : holding) {
-      if (space->field.distance(space->pose, at, 2.0 * surface) <= surface)
-        velocity = space->twist.at(at);
+      if (space->field.distance(space->pose, at, 2.0 * surface) > surface)
+        continue;
+      velocity = space->twist.at(at);
+      freedom.touch(Vec3::Zero(), true);
     }
+    if (found != nullptr && !freedom.is_whole())
+      found->push_back(freedom.of(node));
     if (velocity == before)
       continue;
     for (int axis = 0; axis < 3; ++axis)
@@ -236,8 +274,8 @@ template <class Scalar> void Boundaries::constrain_nodes(const BlockCoord& coord
   }
 }
 
-template void Boundaries::constrain_nodes(const BlockCoord&, float*) const;
-template void Boundaries::constrain_nodes(const BlockCoord&, double*) const;
+template void Boundaries::constrain_nodes(const BlockCoord&, float*, std::vector<NodeConstraint>*) const;
+template void Boundaries::constrain_nodes(const BlockCoord&, double*, std::vector<NodeConstraint>*) const;
 
 void Boundaries::walls_near(const BlockCoord& coord, std::vector<NearWall>& walls, WallKind kind) const {
   constexpr double MIDDLE = 0.5 * (BLOCK_SIDE - 1);

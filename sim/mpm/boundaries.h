@@ -18,6 +18,8 @@ inline constexpr double LEAST_WALL_CELLS = 2.0;
 /// wherever it stands.
 inline constexpr double LEAST_SOLID_CELLS = 1.5;
 
+struct NodeConstraint;
+
 /// What a point near an obstacle sees.
 struct ObstacleContact {
   double distance = 0.0;        ///< [m], negative inside
@@ -53,8 +55,10 @@ public:
   /// Greatest speed of an obstacle within its bounds, between these times [m/s].
   double max_speed(double time, double dt) const;
 
-  /// Velocities of a block's nodes with mass, in place.
-  template <class Scalar> void constrain_nodes(const BlockCoord& coord, Scalar* values) const;
+  /// Velocities of a block's nodes with mass, in place. `found`, unless it is nullptr, is told what contact leaves of
+  /// the nodes' freedom: a node that slides keeps its velocity along the normal, one that sticks all of it.
+  template <class Scalar>
+  void constrain_nodes(const BlockCoord& coord, Scalar* values, std::vector<NodeConstraint>* found = nullptr) const;
 
   /// Which obstacles a particle of this block may be in at the end of the step; by index, ascending.
   void walls_near(const BlockCoord& coord, std::vector<NearWall>& walls, WallKind kind = WallKind::with_inside) const;

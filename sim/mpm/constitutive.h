@@ -86,4 +86,16 @@ template <class Scalar>
 using EnergyKernel = void (*)(const MaterialConstants<Scalar>& material, const ConstitutiveTiles<Scalar>& tiles,
                               Scalar* energy);
 
+/// How the stress of particles answers a rate of strain, for semi-implicit steps: sigma = s Q C (Q^T D Q) Q^T with the
+/// frame and the factor s as they were when frozen. Not differentiated through the yield: where matter flows this is
+/// stiffer than it is.
+template <class Scalar> struct TangentKernel {
+  int components = 0; ///< of what is frozen, per particle
+  /// From the state as it is.
+  void (*freeze)(const MaterialConstants<Scalar>& material, const ConstitutiveTiles<Scalar>& tiles,
+                 Scalar* frozen) = nullptr;
+  /// Of one tile, in place: `rate` is D, and then sigma; six components without factors.
+  void (*stress)(const MaterialConstants<Scalar>& material, const Scalar* frozen, Scalar* rate) = nullptr;
+};
+
 } // namespace wry::mpm

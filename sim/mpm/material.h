@@ -92,6 +92,7 @@ Result<CompiledMaterial> compile_material(const Material& material);
 template <class Scalar> struct MaterialKernels {
   ConstitutiveKernel<Scalar> update = nullptr;
   EnergyKernel<Scalar> energy = nullptr;
+  TangentKernel<Scalar> tangent; ///< of semi-implicit steps
 };
 template <class Scalar>
 MaterialKernels<Scalar> find_material_kernels(const Material& material, const CompiledMaterial& compiled, Isa isa);

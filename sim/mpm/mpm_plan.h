@@ -10,6 +10,7 @@
 #include "sim/mpm/grains/sub_particle_settings.h"
 #include "sim/mpm/kernels/transfer.h"
 #include "sim/mpm/material.h"
+#include "sim/mpm/semi_implicit_settings.h"
 #include "sim/scene/collider.h"
 
 namespace wry::mpm {
@@ -57,9 +58,10 @@ struct MpmSettings {
   double cell = 0.0; ///< h [m]
   Transfer transfer = Transfer::gradient;
   Precision precision = Precision::f32;
-  double courant = 0.4;            ///< kappa of dt <= kappa h / (c + |v|)
-  double max_deformation = 0.3;    ///< of dt |L| in a step
-  std::optional<double> time_step; ///< [s]; cut where it is unstable
+  double courant = 0.4;                      ///< kappa of dt <= kappa h / (c + |v|)
+  double max_deformation = 0.3;              ///< of dt |L| in a step
+  std::optional<double> time_step;           ///< [s]; cut where it is unstable
+  std::optional<SemiImplicit> semi_implicit; ///< absent: explicit
 };
 
 /// Everything the material point method of a scene needs, immutable.

@@ -14,6 +14,7 @@
 #include "sim/mpm/grains/sub_particles.h"
 #include "sim/mpm/kernels/transfer_table.h"
 #include "sim/mpm/mpm_state.h"
+#include "sim/mpm/semi_implicit.h"
 
 namespace wry::mpm {
 
@@ -30,6 +31,16 @@ double ms_since(Clock::time_point start) {
 /// Blocks of one colour are two apart along every axis, so that their halos share no node.
 int colour_of(const BlockCoord& coord) {
   return static_cast<int>((coord.x & 1) | (coord.y & 1) << 1 | (coord.z & 1) << 2);
+}
+
+/// Where the blocks around an occupied one are in `values`.
+template <class Scalar, class Values>
+std::array<Values*, NEIGHBOURS> blocks_around(const Grid<Scalar>& grid, std::size_t block, Values* values) {
+  std::array<Values*, NEIGHBOURS> around;
+  const std::array<std::int32_t, NEIGHBOURS>& neighbours = grid.neighbours(block);
+  for (std::size_t n = 0; n < NEIGHBOURS; ++n)
+    around[n] = values + static_cast<std::size_t>(neighbours[n]) * BLOCK_VALUES;
+  return around;
 }
 
 /// What a block's gather found.
@@ -71,8 +82,12 @@ private:
   Status sort();
   void make_blocks();
   TransferRun<Scalar> transfer_run(std::size_t body, const BlockRun& run, double dt);
-  void scatter(double dt);
+  void scatter(double force_dt, Scalar* values);
   void update_grid(double dt);
+  SolveReport solve_semi_implicit(double dt);
+  void freeze_tangents();
+  void apply_stiffness(const Scalar* velocities, Scalar* forces);
+  void constrain_grid();
   Status gather(double dt, StepStats& stats);
   BlockReport gather_block(std::size_t block, double dt);
   bool keep_out_of_walls(std::size_t body, const BlockRun& run, const std::vector<NearWall>& walls);
@@ -93,8 +108,10 @@ private:
   std::vector<BodyState<Scalar>> m_bodies;
   MpmState<Scalar> m_state;
   Grid<Scalar> m_grid;
-  std::vector<SubParticles> m_grains; ///< of the bodies that have some, in their order
-  std::vector<BlockRuns> m_blocks;    ///< per occupied block
+  SemiImplicitSolver<Scalar> m_implicit;       ///< of semi-implicit steps
+  std::vector<AlignedVector<Scalar>> m_frozen; ///< per body: what its tangent kernel has frozen
+  std::vector<SubParticles> m_grains;          ///< of the bodies that have some, in their order
+  std::vector<BlockRuns> m_blocks;             ///< per occupied block
   std::array<std::vector<std::int32_t>, COLOURS> m_colours;
 };
 
@@ -207,6 +224,8 @@ template <class Scalar> StepBound Simulation<Scalar>::bound() const {
   facts.cell = m_plan.settings.cell;
   facts.courant = m_plan.settings.courant;
   facts.max_deformation = m_plan.settings.max_deformation;
+  if (m_plan.settings.semi_implicit)
+    facts.wave_courant = m_plan.settings.semi_implicit->courant;
   facts.sound_speed = stiffest_speed();
   facts.speed = m_state.max_speed;
   facts.gravity = m_plan.gravity.norm();
@@ -239,9 +258,10 @@ TransferRun<Scalar> Simulation<Scalar>::transfer_run(std::size_t body, const Blo
   return transfer;
 }
 
-template <class Scalar> void Simulation<Scalar>::scatter(double dt) {
+/// Fills all blocks of `values` with momentum, after so long of the internal forces, and mass.
+template <class Scalar> void Simulation<Scalar>::scatter(double force_dt, Scalar* values) {
   m_threads.for_chunks(m_grid.block_count(), 64, [&](std::size_t begin, std::size_t end) {
-    std::fill(m_grid.values(begin), m_grid.values(begin) + (end - begin) * BLOCK_VALUES, Scalar(0));
+    std::fill(values + begin * BLOCK_VALUES, values + end * BLOCK_VALUES, Scalar(0));
   });
   const ScatterKernel<Scalar> kernel = m_transfers.scatter[static_cast<int>(m_plan.settings.transfer)];
   for (const std::vector<std::int32_t>& colour : m_colours) {
@@ -249,12 +269,8 @@ template <class Scalar> void Simulation<Scalar>::scatter(double dt) {
       const std::size_t block = static_cast<std::size_t>(colour[i]);
       alignas(64) Scalar halo[HALO_VALUES] = {};
       for (const auto& [body, run] : m_blocks[block].runs)
-        kernel(transfer_run(body, m_state.sets[body].runs[run], dt), halo);
-      std::array<Scalar*, NEIGHBOURS> around;
-      for (int n = 0; n < NEIGHBOURS; ++n)
-        around[static_cast<std::size_t>(n)] =
-            m_grid.values(static_cast<std::size_t>(m_grid.neighbours(block)[static_cast<std::size_t>(n)]));
-      m_transfers.add_halo(halo, around.data());
+        kernel(transfer_run(body, m_state.sets[body].runs[run], force_dt), halo);
+      m_transfers.add_halo(halo, blocks_around(m_grid, block, values).data());
     });
   }
 }
@@ -276,8 +292,70 @@ template <class Scalar> void Simulation<Scalar>::update_grid(double dt) {
         values[node + axis] = values[node + axis] * inverse + gain[axis];
     }
     if (any)
-      m_boundaries.constrain_nodes(m_grid.coord(block), values);
+      m_boundaries.constrain_nodes(m_grid.coord(block), values,
+                                   m_plan.settings.semi_implicit ? &m_implicit.constraints(block) : nullptr);
   });
+}
+
+template <class Scalar> void Simulation<Scalar>::freeze_tangents() {
+  m_frozen.resize(m_bodies.size());
+  for (std::size_t body = 0; body < m_bodies.size(); ++body) {
+    const TangentKernel<Scalar>& tangent = m_bodies[body].kernels.tangent;
+    const std::size_t per_tile = static_cast<std::size_t>(tangent.components) * WIDTH;
+    const std::vector<BlockRun>& runs = m_state.sets[body].runs;
+    m_frozen[body].resize(m_state.sets[body].particles.tiles() * per_tile);
+    m_threads.for_each(runs.size(), 1, [&](std::size_t i) {
+      ConstitutiveTiles<Scalar> tiles = transfer_run(body, runs[i], 0.0).tiles;
+      tiles.count = static_cast<int>((static_cast<std::size_t>(runs[i].count) + WIDTH - 1) / WIDTH);
+      tangent.freeze(m_bodies[body].constants, tiles,
+                     m_frozen[body].data() + static_cast<std::size_t>(runs[i].first_tile) * per_tile);
+    });
+  }
+}
+
+/// forces <- K velocities, on all blocks.
+template <class Scalar> void Simulation<Scalar>::apply_stiffness(const Scalar* velocities, Scalar* forces) {
+  m_threads.for_chunks(m_grid.block_count(), 64, [&](std::size_t begin, std::size_t end) {
+    std::fill(forces + begin * BLOCK_VALUES, forces + end * BLOCK_VALUES, Scalar(0));
+  });
+  const StiffnessKernel<Scalar> kernel =
+      stiffness_kernels<Scalar>(m_isa).apply[static_cast<int>(m_plan.settings.transfer)];
+  for (const std::vector<std::int32_t>& colour : m_colours) {
+    m_threads.for_each(colour.size(), 1, [&](std::size_t i) {
+      const std::size_t block = static_cast<std::size_t>(colour[i]);
+      alignas(64) Scalar from[HALO_VALUES];
+      alignas(64) Scalar to[HALO_VALUES] = {};
+      m_transfers.read_halo(blocks_around(m_grid, block, velocities).data(), from);
+      std::fill(from + HALO_VALUES - NODE_VALUES, from + HALO_VALUES, Scalar(0));
+      for (const auto& [body, index] : m_blocks[block].runs) {
+        const BlockRun& run = m_state.sets[body].runs[index];
+        TransferRun<Scalar> transfer = transfer_run(body, run, 0.0);
+        transfer.tangent = &m_bodies[body].kernels.tangent;
+        transfer.frozen = m_frozen[body].data() + static_cast<std::size_t>(run.first_tile) * WIDTH *
+                                                      static_cast<std::size_t>(transfer.tangent->components);
+        kernel(transfer, from, to);
+      }
+      m_transfers.add_halo(to, blocks_around(m_grid, block, forces).data());
+    });
+  }
+}
+
+template <class Scalar> void Simulation<Scalar>::constrain_grid() {
+  m_threads.for_each(m_grid.block_count(), 16, [&](std::size_t block) {
+    m_boundaries.constrain_nodes(m_grid.coord(block), m_grid.values(block));
+  });
+}
+
+/// From the grid of an explicit step after contact to that of the semi-implicit one.
+template <class Scalar> SolveReport Simulation<Scalar>::solve_semi_implicit(double dt) {
+  scatter(0.0, m_implicit.start());
+  freeze_tangents();
+  const auto stiffness = [this](const Scalar* from, Scalar* to) { apply_stiffness(from, to); };
+  const SolveReport report =
+      m_implicit.solve(m_grid, dt, m_plan.gravity, *m_plan.settings.semi_implicit, stiffness, m_threads);
+  // Nodes that the solve let move into obstacles.
+  constrain_grid();
+  return report;
 }
 
 /// Returns whether a particle was put so far that it must be sorted before the next scatter: one that begins deep
@@ -309,11 +387,8 @@ bool Simulation<Scalar>::keep_out_of_walls(std::size_t body, const BlockRun& run
 template <class Scalar> BlockReport Simulation<Scalar>::gather_block(std::size_t block, double dt) {
   const GatherKernel<Scalar> kernel = m_transfers.gather[static_cast<int>(m_plan.settings.transfer)];
   alignas(64) Scalar halo[HALO_VALUES];
-  std::array<const Scalar*, NEIGHBOURS> around;
-  for (int n = 0; n < NEIGHBOURS; ++n)
-    around[static_cast<std::size_t>(n)] =
-        m_grid.values(static_cast<std::size_t>(m_grid.neighbours(block)[static_cast<std::size_t>(n)]));
-  m_transfers.read_halo(around.data(), halo);
+  const Grid<Scalar>& grid = m_grid;
+  m_transfers.read_halo(blocks_around(grid, block, grid.values(0)).data(), halo);
   std::fill(halo + HALO_VALUES - NODE_VALUES, halo + HALO_VALUES, Scalar(0));
   BlockReport report;
   std::vector<NearWall> walls;
@@ -415,9 +490,13 @@ template <class Scalar> Result<StepStats> Simulation<Scalar>::step(double end) {
   const ChosenStep chosen = choose_step(bound(), m_plan.settings.time_step, m_state.time, end);
   m_boundaries.begin_step(m_state.time, chosen.dt);
   const Clock::time_point before_scatter = Clock::now();
-  scatter(chosen.dt);
+  scatter(chosen.dt, m_grid.values(0));
   const Clock::time_point before_grid = Clock::now();
+  if (m_plan.settings.semi_implicit)
+    m_implicit.fit(m_grid.block_count());
   update_grid(chosen.dt);
+  if (m_plan.settings.semi_implicit)
+    stats.linear_iterations = solve_semi_implicit(chosen.dt).iterations;
   const Clock::time_point before_gather = Clock::now();
   if (Status status = gather(chosen.dt, stats); !status)
     return status.error();
@@ -523,7 +602,9 @@ template <class Scalar> Status Simulation<Scalar>::restore(const StateArchive& a
 }
 
 template <class Scalar> std::size_t Simulation<Scalar>::memory_bytes() const {
-  std::size_t bytes = m_grid.memory_bytes();
+  std::size_t bytes = m_grid.memory_bytes() + m_implicit.memory_bytes();
+  for (const AlignedVector<Scalar>& frozen : m_frozen)
+    bytes += frozen.capacity() * sizeof(Scalar);
   for (const SubParticles& grains : m_grains)
     bytes += grains.count() * BYTES_PER_GRAIN;
   for (const SortedSet<Scalar>& set : m_state.sets) {

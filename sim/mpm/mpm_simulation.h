@@ -21,6 +21,7 @@ struct StepStats {
   bool sorted = false;         ///< particles were sorted before it
   double max_speed = 0.0;      ///< of a particle at its end [m/s]
   double kinetic_energy = 0.0; ///< of the particles, without their affine part [J]
+  int linear_iterations = 0;   ///< of a semi-implicit step
   double scatter_ms = 0.0, grid_ms = 0.0, gather_ms = 0.0, sort_ms = 0.0, grains_ms = 0.0, total_ms = 0.0;
 };
 

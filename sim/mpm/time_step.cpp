@@ -22,14 +22,27 @@ std::string_view step_limit_name(StepLimit limit) {
   return "?";
 }
 
+namespace {
+
+/// dt (speed + |g| dt) = length, so that matter at rest cannot outrun the bound as it begins to fall.
+double time_to_cross(double length, double speed, double gravity) {
+  const double root = speed + std::sqrt(speed * speed + 4.0 * gravity * length);
+  return root > 0.0 ? 2.0 * length / root : std::numeric_limits<double>::max();
+}
+
+} // namespace
+
 StepBound stable_step(const StepFacts& facts) {
-  // dt (c + |v| + |g| dt) = kappa h, so that matter at rest cannot outrun the bound as it begins to fall.
-  const double speed = facts.sound_speed + facts.speed;
   const double length = facts.courant * facts.cell;
   StepBound bound;
-  const double root = speed + std::sqrt(speed * speed + 4.0 * facts.gravity * length);
-  bound.dt = root > 0.0 ? 2.0 * length / root : std::numeric_limits<double>::max();
-  bound.limit = facts.speed > facts.sound_speed ? StepLimit::speed : StepLimit::wave;
+  if (facts.wave_courant) {
+    bound = {time_to_cross(length, facts.speed, facts.gravity), StepLimit::speed};
+    if (facts.sound_speed * bound.dt > *facts.wave_courant * facts.cell)
+      bound = {*facts.wave_courant * facts.cell / facts.sound_speed, StepLimit::wave};
+  } else {
+    bound.dt = time_to_cross(length, facts.sound_speed + facts.speed, facts.gravity);
+    bound.limit = facts.speed > facts.sound_speed ? StepLimit::speed : StepLimit::wave;
+  }
   if (facts.gradient * bound.dt > facts.max_deformation)
     bound = {facts.max_deformation / facts.gradient, StepLimit::gradient};
   return bound;

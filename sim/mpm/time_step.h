@@ -23,8 +23,9 @@ struct StepBound {
 
 /// What a bound depends on.
 struct StepFacts {
-  double cell = 0.0;    ///< h [m]
-  double courant = 0.4; ///< kappa
+  double cell = 0.0;                  ///< h [m]
+  double courant = 0.4;               ///< kappa
+  std::optional<double> wave_courant; ///< of waves, where the step is implicit in them
   double max_deformation = 0.3;
   double sound_speed = 0.0; ///< c, the greatest of the materials as they are [m/s]
   double speed = 0.0;       ///< the greatest of particles and obstacles [m/s]

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <random>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -101,6 +102,41 @@ TEST(MatterFacts, AStretchedBlockHasItsModuliAndRatios) {
   const Mat3 along_x = from_mandel(S * to_mandel(Vec3(1, 0, 0).asDiagonal().toDenseMatrix()));
   EXPECT_NEAR(-along_x(1, 1) / along_x(0, 0), material.poisson_ratio.xy, 1e-12);
   EXPECT_NEAR(-along_x(2, 2) / along_x(0, 0), material.poisson_ratio.xz, 1e-12);
+}
+
+TEST(MatterFacts, FibresAlongAcrossAndAnyhowToALoadGiveTheModulusOfTheClosedForm) {
+  const Material material = [] {
+    Material m = grains(Vec3::Ones(), 30.0);
+    m.plasticity = Plasticity::none;
+    m.youngs_modulus = {1e5, 1e5, 1e7};
+    m.poisson_ratio.yz = m.poisson_ratio.xz = 0.003;
+    return m;
+  }();
+  const Mat6 S = matter_of(material).stiffness.inverse();
+  const double two_mu_zx = 1.0 / S(4, 4);
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (int k = 0; k < 20; ++k) {
+    // The angle between the load (world x) and the fibre (local z): 0, 90 degrees, or any.
+    const Vec3 fibre = k == 0   ? Vec3(Vec3::UnitX())
+                       : k == 1 ? Vec3(Vec3::UnitY())
+                                : Vec3(normal(random), normal(random), normal(random)).normalized();
+    const Eigen::Quaterniond frame = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), fibre);
+    // 1 / E = c^4 / E_z + s^4 / E_x + c^2 s^2 (2 S_xz + 2 / (2 mu_zx)) of a material that is alike about its fibre.
+    const double c2 = std::pow(fibre.x(), 2.0), s2 = 1.0 - c2;
+    const double modulus = 1.0 / (c2 * c2 / 1e7 + s2 * s2 / 1e5 + 2.0 * c2 * s2 * (S(0, 2) + 1.0 / two_mu_zx));
+    const Mat3 Q = frame.toRotationMatrix();
+    Mat3 sigma = Mat3::Zero();
+    sigma(0, 0) = 1e-6 * modulus;
+    const Mat3 strain = Q * from_mandel(S * to_mandel(Q.transpose() * sigma * Q)) * Q.transpose();
+    EXPECT_NEAR(sigma(0, 0) / strain(0, 0), modulus, 1e-9 * modulus) << fibre.transpose(); // the form itself
+    std::vector<test::Sample> samples(1);
+    samples[0].F = exponential(strain);
+    samples[0].frame = Vec4(frame.w(), frame.x(), frame.y(), frame.z());
+    test::run_kernel<double>(material, native_isa(), 0.0, samples);
+    EXPECT_NEAR(samples[0].tau(0, 0) / strain(0, 0), modulus, 0.01 * modulus) << fibre.transpose();
+    EXPECT_LT(Mat3(samples[0].tau - sigma).norm(), 0.01 * sigma(0, 0)); // nothing else holds it
+  }
 }
 
 TEST(MatterFacts, ElasticStressOfLinearLawsDoesNotKnowTheMaps) {

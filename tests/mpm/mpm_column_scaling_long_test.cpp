@@ -19,23 +19,24 @@ struct RunOut {
   double most_mass = 0.0; ///< the same where 98 % of the mass is behind: inside the heap, the more so the lower it is
 };
 
-/// Where the deposit of a quarter ends: the furthest ring, a cell wide, whose mean thickness is half a layer of
-/// particles or more and that is reached without a gap. Experiments measure this front, at a grain's thickness.
+/// Where the deposit of a quarter ends: where the mean thickness of rings a cell wide, linear between their middles,
+/// falls below half a layer of particles for the first time. Experiments measure this front, at a grain's thickness.
 double front_of(const Points& x, double particle_volume) {
   std::vector<double> volume;
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
     const auto ring = static_cast<std::size_t>(std::hypot(x(i, 0), x(i, 1)) / CELL);
-    volume.resize(std::max(volume.size(), ring + 1), 0.0);
+    volume.resize(std::max(volume.size(), ring + 2), 0.0);
     volume[ring] += particle_volume;
   }
   const double thin = 0.5 * std::cbrt(particle_volume);
-  std::size_t ring = 0;
-  const auto thickness = [&](std::size_t r) {
-    return volume[r] / (0.25 * std::numbers::pi * (2.0 * static_cast<double>(r) + 1.0) * CELL * CELL);
+  const auto thickness = [&](std::size_t ring) {
+    return volume[ring] / (0.25 * std::numbers::pi * (2.0 * static_cast<double>(ring) + 1.0) * CELL * CELL);
   };
-  while (ring < volume.size() && thickness(ring) >= thin)
+  std::size_t ring = 0;
+  while (thickness(ring + 1) >= thin) // the last ring is empty
     ++ring;
-  return static_cast<double>(ring) * CELL;
+  const double share = (thickness(ring) - thin) / (thickness(ring) - thickness(ring + 1));
+  return (static_cast<double>(ring) + 0.5 + share) * CELL;
 }
 
 /// A cylinder of sand of this aspect ratio H / R0 that is let go on a rough floor: a quarter of it, between two smooth
@@ -83,22 +84,36 @@ RunOut run_out(double aspect) {
   return {front_of(x, filled->volume) / RADIUS - 1.0, quantile(x.leftCols(2).rowwise().norm(), 0.98) / RADIUS - 1.0};
 }
 
-double exponent(double low, double high, double at_low, double at_high) {
-  return std::log(at_high / at_low) / std::log(high / low);
+/// The slope of the line through these points on doubly logarithmic paper.
+double exponent(const std::vector<double>& aspects, const std::vector<RunOut>& spread, double low, double high) {
+  double n = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
+  for (std::size_t i = 0; i < aspects.size(); ++i) {
+    if (aspects[i] < low || aspects[i] > high)
+      continue;
+    const double x = std::log(aspects[i]), y = std::log(spread[i].front);
+    n += 1.0;
+    sum_x += x;
+    sum_y += y;
+    sum_xx += x * x;
+    sum_xy += x * y;
+  }
+  return (n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x);
 }
 
-// Lube et al. 2004, Lajeunesse et al. 2004: in proportion to a below about 2, to the root of a above.
+// Lube et al. 2004: 1.24 a below 1.7, 1.6 sqrt(a) above. Lajeunesse et al. 2004: a below 3, a^1/2 above.
 TEST(ColumnScaling, RunsOutInProportionToLowAspectsAndToTheRootOfHighOnes) {
-  const double aspects[] = {0.5, 1.0, 2.0, 4.0, 8.0};
-  RunOut spread[5];
-  for (int i = 0; i < 5; ++i) {
-    spread[i] = run_out(aspects[i]);
-    std::printf("a = %4.1f  front %.3f  98 %% of the mass %.3f\n", aspects[i], spread[i].front, spread[i].most_mass);
+  const std::vector<double> aspects = {0.5, 1.0, 2.0, 4.0, 7.0, 10.0};
+  std::vector<RunOut> spread;
+  for (const double aspect : aspects) {
+    spread.push_back(run_out(aspect));
+    const double lube = aspect < 1.7 ? 1.24 * aspect : 1.6 * std::sqrt(aspect);
+    std::printf("a = %4.1f  front %.3f  98 %% of the mass %.3f  Lube et al. %.3f\n", aspect, spread.back().front,
+                spread.back().most_mass, lube);
     std::fflush(stdout);
   }
-  const double low = exponent(0.5, 2.0, spread[0].front, spread[2].front);
-  const double high = exponent(2.0, 8.0, spread[2].front, spread[4].front);
-  std::printf("exponents of the front: %.2f below 2, %.2f above\n", low, high);
+  const double low = exponent(aspects, spread, 0.5, 2.0);
+  const double high = exponent(aspects, spread, 4.0, 10.0);
+  std::printf("exponents of the front: %.2f from .5 to 2, %.2f from 4 to 10\n", low, high);
   EXPECT_NEAR(low, 1.0, 0.25);
   EXPECT_NEAR(high, 0.5, 0.15);
 }

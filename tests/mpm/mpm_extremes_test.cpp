@@ -148,6 +148,23 @@ TEST(Extremes, ParticleThatIsNowhereIsAnErrorThatNamesIt) {
   }
 }
 
+TEST(Extremes, ParticlesExactlyOnTheFloorOnNodesAndBetweenBlocksStayWhereTheyAre) {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    MpmPlan plan = one_box(elastic(), precision);
+    plan.gravity = Vec3::Zero();
+    Points points(5, 3);
+    points << 0, 0, 0,                // on the floor and on a node
+        0.5 * CELL, 0.5 * CELL, 0,    // on the floor, between nodes
+        4 * CELL, 4 * CELL, 4 * CELL, // where eight blocks meet
+        3.5 * CELL, 0, 8 * CELL,      // between the cells that belong to two blocks
+        -4 * CELL, -0.5 * CELL, 4 * CELL;
+    plan.bodies[0].positions = std::make_shared<const Points>(points);
+    const std::unique_ptr<MpmSimulation> simulation = make(std::move(plan));
+    run_to(*simulation, 0.1);
+    EXPECT_EQ(channel_of(*simulation, 0, "position"), points);
+  }
+}
+
 TEST(Extremes, OneKilometrePerSecondIntoTheFloor) {
   // Steel-like matter stays whole. Sand of 5e4 Pa is crushed to nothing: that is an error with place and numbers.
   for (const double modulus : {1e11, 5e4}) {

@@ -41,6 +41,8 @@ template <class Scalar> struct TransferRun {
   Scalar* affine = nullptr;
   const MaterialConstants<Scalar>* material = nullptr;
   ConstitutiveKernel<Scalar> update = nullptr;
+  const TangentKernel<Scalar>* tangent = nullptr; ///< of semi-implicit steps, with what it has frozen of this run
+  const Scalar* frozen = nullptr;
   /// F, tau and the state of the run; the kernels fill in the rest.
   ConstitutiveTiles<Scalar> tiles;
 };
@@ -63,6 +65,11 @@ template <class Scalar> using GatherKernel = GatherReport (*)(const TransferRun<
 /// Adds a halo to the 27 blocks around it, or copies them into it.
 template <class Scalar> using AddHaloKernel = void (*)(const Scalar* halo, Scalar* const* blocks);
 template <class Scalar> using ReadHaloKernel = void (*)(const Scalar* const* blocks, Scalar* halo);
+
+/// Adds K v of a run, v being the velocities in a halo: V sigma(sym grad v) grad w.
+template <class Scalar>
+using StiffnessKernel = void (*)(const TransferRun<Scalar>& run, const Scalar* velocities, Scalar* forces);
+template <class Scalar> struct StiffnessKernels { StiffnessKernel<Scalar> apply[2]; /**< by Transfer */ };
 
 template <class Scalar> struct TransferKernels {
   ScatterKernel<Scalar> scatter[2]; ///< by Transfer
