@@ -113,6 +113,20 @@ TEST(PairContact, ASlidingBlockStopsAfterItsStoppingDistance) {
   EXPECT_LT(velocity_of(plan, *simulation, 1).norm(), 2e-3);
 }
 
+TEST(PairContact, FrictionFollowsTheNormalForcesThroughAnImpact) {
+  // While it slides, a block loses mu times the speed that the ground gives it upwards, however hard it lands.
+  constexpr double MU = 0.3;
+  FemPlan plan = block_on_slope({MU, MU}, 3.0, 0.0);
+  plan.bodies[1].initial_velocity.y() = -1.5;
+  const std::unique_ptr<FemSimulation> simulation = simulate(plan);
+  const Vec3 before = velocity_of(plan, *simulation, 1);
+  run_until(*simulation, 0.1);
+  const Vec3 gained = velocity_of(plan, *simulation, 1) - before;
+  const double given = gained.y() + 9.81 * 0.1;
+  EXPECT_GT(given, 1.5);
+  EXPECT_NEAR(-gained.x() / given, MU, 0.01 * MU);
+}
+
 TEST(PairContact, AStackOfBoxesComesToRest) {
   FemPlan plan;
   for (int i = 0; i < 3; ++i)
