@@ -198,6 +198,11 @@ MpmOptions bind_mpm(const Reader& reader) {
   mpm.time_step = reader.optional_number("time_step");
   mpm.courant = reader.number("courant");
   mpm.max_deformation = reader.number("max_deformation");
+  if (reader.has("semi_implicit")) {
+    const Reader semi = reader.child("semi_implicit");
+    mpm.semi_implicit = SemiImplicitOptions{semi.number("courant"), semi.number("implicitness"), semi.number("damping"),
+                                            semi.number("tolerance")};
+  }
   return mpm;
 }
 

@@ -82,6 +82,29 @@ Field source_field() {
                "Makes the region a source: what flows out of it is followed by more.");
 }
 
+Field semi_implicit_field() {
+  return table(
+             "semi_implicit",
+             {number("courant", "", strictly_between(0.0, 1e3), "How many cells the fastest wave may cross in a step.")
+                  .called("number")
+                  .standard(4.0),
+              number("implicitness", "", between(0.25, 1.0),
+                     "The share b of the stiffness in (M + b dt^2 K)(v' - v) = dt f - d b dt^2 K v.")
+                  .called("number")
+                  .standard(1.0),
+              number("damping", "", between(0.0, 1.0),
+                     "The share d. 1: backward Euler, which damps what is too fast for the step away and the rest a "
+                     "little; 0: slow waves keep their energy, and fast ones swing more slowly.")
+                  .called("number")
+                  .standard(1.0),
+              number("tolerance", "", strictly_between(0.0, 1.0),
+                     "The residual that conjugate gradients leave, over the first one.")
+                  .called("number")
+                  .standard(0.01)},
+             "Steps that stiff fibres do not bound: a linear solve on the grid in each.")
+      .default_is("none: explicit steps");
+}
+
 } // namespace
 
 std::vector<Field> mpm_body_fields() {
@@ -206,6 +229,7 @@ Section mpm_section() {
       number("max_deformation", "", strictly_between(0.0, 1.0), "How much a particle may deform in a step.")
           .called("number")
           .standard(0.3),
+      semi_implicit_field(),
   };
   return section;
 }

@@ -131,6 +131,11 @@ enum class GridTransfer { gradient, mls };
 enum class NumberPrecision { f32, f64 };
 enum class ParticleSampling { lattice, jittered };
 
+/// semi_implicit = { ... } of [mpm].
+struct SemiImplicitOptions {
+  Located<double> courant, implicitness, damping, tolerance;
+};
+
 /// [mpm]; nullopt stands for "auto".
 struct MpmOptions {
   Source source;
@@ -140,6 +145,7 @@ struct MpmOptions {
   Located<ParticleSampling> sampling;
   std::optional<Located<double>> time_step; ///< [s]
   Located<double> courant, max_deformation;
+  std::optional<SemiImplicitOptions> semi_implicit; ///< absent: explicit steps
 };
 
 } // namespace wry::shots

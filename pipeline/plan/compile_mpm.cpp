@@ -488,6 +488,9 @@ Result<mpm::MpmSettings> compile_mpm_settings(const shots::Shot& shot) {
   settings.max_deformation = *options.max_deformation;
   if (options.time_step)
     settings.time_step = **options.time_step;
+  if (options.semi_implicit)
+    settings.semi_implicit = mpm::SemiImplicit{*options.semi_implicit->courant, *options.semi_implicit->implicitness,
+                                               *options.semi_implicit->damping, *options.semi_implicit->tolerance};
   if (options.cell_size) {
     settings.cell = **options.cell_size;
     return settings;

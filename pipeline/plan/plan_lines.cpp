@@ -81,6 +81,14 @@ void describe_methods(ScenePlan& plan) {
   const auto decide = [&](bool runs, const char* what, const char* why_runs, const char* why_not) {
     (runs ? plan.runs : plan.left_out).push_back({what, runs ? why_runs : why_not});
   };
+  if (mpm.settings.semi_implicit)
+    plan.runs.push_back({"semi-implicit steps",
+                         fmt::format("mpm.semi_implicit: waves may cross {:.3g} cells in a step; a solve by conjugate "
+                                     "gradients in each, implicitness {:.3g}, damping {:.3g}",
+                                     mpm.settings.semi_implicit->courant, mpm.settings.semi_implicit->implicitness,
+                                     mpm.settings.semi_implicit->damping)});
+  else
+    plan.left_out.push_back({"semi-implicit steps", "no mpm.semi_implicit: no linear solve on the grid"});
   decide(!mpm.colliders.empty(), "colliders on the grid", "[[collider]]: nodes of blocks that are near one",
          "no [[collider]]: no node is looked at");
   decide(!mpm.held.empty(), "held space", "[[fixed]] and [[drive]] on a body of particles",
@@ -103,6 +111,8 @@ void add_cost_of_particles(const ScenePlan& plan, CostEstimate& cost) {
   facts.courant = mpm.settings.courant;
   facts.max_deformation = mpm.settings.max_deformation;
   facts.gravity = mpm.gravity.norm();
+  if (mpm.settings.semi_implicit)
+    facts.wave_courant = mpm.settings.semi_implicit->courant;
   double particles = 0.0;
   for (std::size_t i = 0; i < mpm.bodies.size(); ++i) {
     const mpm::MpmBody& body = mpm.bodies[i];

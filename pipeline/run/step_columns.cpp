@@ -48,6 +48,7 @@ constexpr std::array PARTICLE_COLUMNS = {
     Particle{"particles", [](const mpm::StepStats& s) { return double(s.particles); }},
     Particle{"blocks", [](const mpm::StepStats& s) { return double(s.blocks); }},
     Particle{"sorted", [](const mpm::StepStats& s) { return s.sorted ? 1.0 : 0.0; }},
+    Particle{"linear_iterations", [](const mpm::StepStats& s) { return double(s.linear_iterations); }},
     Particle{"max_speed_m_per_s", [](const mpm::StepStats& s) { return s.max_speed; }},
     Particle{"kinetic_energy_J", [](const mpm::StepStats& s) { return s.kinetic_energy; }},
     Particle{"sort_ms", [](const mpm::StepStats& s) { return s.sort_ms; }},

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pipeline/report/csv_table.h"
 #include "tests/cli/program_support.h"
 
 namespace wry::cli_test {
@@ -126,6 +127,46 @@ TEST_F(MpmRun, SpringsOnParticlesAreRefusedWithTheirLine) {
   EXPECT_NE(plan.err.find("particles are driven through their grid"), std::string::npos) << plan.err;
 }
 
+TEST_F(MpmRun, AccuracyTellsWhatSinglePrecisionIsWorth) {
+  write_text(m_folder.path() / "heap.toml", HEAP);
+  const Outcome told = run_wry({"accuracy", "heap.toml", "--frames", "1-3", "--out", "o"}, m_folder.path());
+  ASSERT_EQ(told.exit_code, 0) << told.err << told.out;
+  const pipeline::CsvTable table = pipeline::read_csv_table(m_folder.path() / "o" / "accuracy" / "accuracy.csv");
+  const std::vector<double> errors = table.numbers("height_error"), positions = table.numbers("position_error");
+  ASSERT_EQ(errors.size(), 1u) << told.out;
+  ASSERT_EQ(positions.size(), 1u) << told.out;
+  EXPECT_LT(errors[0], 1e-3);
+  EXPECT_GT(positions[0], 0.0); // they are not the same run
+  EXPECT_LT(positions[0], 1e-3);
+}
+
+TEST_F(MpmRun, SemiImplicitStepsAreInThePlanAndInTheStatistics) {
+  write_text(m_folder.path() / "heap.toml", HEAP);
+  const std::vector<std::string> sets = {"--set", "material.sand.plasticity=none",
+                                         "--set", "material.sand.poisson_ratio=0",
+                                         "--set", "material.sand.youngs_modulus={ x = 1e4, y = 1e4, z = 1e8 }",
+                                         "--set", "mpm.semi_implicit.courant=10"};
+  const auto with_sets = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), sets.begin(), sets.end());
+    return arguments;
+  };
+  const Outcome plan = run_wry(with_sets({"plan", "heap.toml"}), m_folder.path());
+  ASSERT_EQ(plan.exit_code, 0) << plan.err;
+  EXPECT_NE(plan.out.find("waves may cross 10 cells in a step"), std::string::npos) << plan.out;
+  ASSERT_EQ(simulate(HEAP, "fibres", sets).exit_code, 0);
+  const pipeline::CsvTable stats = pipeline::read_csv_table(out("fibres") / "stats.csv");
+  double iterations = 0.0;
+  for (const double of_step : stats.numbers("linear_iterations"))
+    iterations += of_step;
+  EXPECT_GT(iterations, 0.0);
+  EXPECT_LT(stats.rows.size(), 700u); // explicit steps would be 25 times as many
+  const Outcome without = run_wry({"plan", "heap.toml"}, m_folder.path());
+  EXPECT_NE(without.out.find("no mpm.semi_implicit: no linear solve on the grid"), std::string::npos) << without.out;
+  const Outcome bad = run_wry({"plan", "heap.toml", "--set", "mpm.semi_implicit.implicitness=0.1"}, m_folder.path());
+  EXPECT_EQ(bad.exit_code, 65);
+  EXPECT_NE(bad.err.find("implicitness"), std::string::npos) << bad.err;
+}
+
 struct Refused {
   const char *set, *expected;
 };
@@ -135,6 +176,9 @@ TEST_F(MpmRun, BadInputIsSaidBeforeAnythingRuns) {
   for (const Refused& bad : {
            Refused{"material.sand.poisson_ratio={ yz = 0.9, xz = 0.9, xy = 0.3 }", "expected"},
            Refused{"body.heap.fibre={ expression = { x = \"0*X\" } }", "no length"},
+           Refused{"body.heap.fibre={ expression = { x = \"0/0\" } }", "is no number"},
+           Refused{"body.heap.fibre={ direction = [0, 0, 0] }", "expected"},
+           Refused{"body.heap.fibre={ direction = [nan, 0, 1] }", "expected"},
            Refused{"body.heap.region={ sphere = { centre = [0, 1, 0], radius = 1e-3 }, expression = \"X > 5\" }",
                    "no particle fits"},
            Refused{"mpm.cell_size=1e-6", "this machine has room for"},

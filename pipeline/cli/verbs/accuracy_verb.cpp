@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "pipeline/cache/atomic_file.h"
@@ -100,22 +102,33 @@ Status write_accuracy(const ShotSession& session, const StudyRequest& request, c
   return write_page(session, request, report, plots);
 }
 
+/// Particles are in single precision by default: without ladders of the shot's own, that against double precision.
+Result<shots::AccuracySection> section_of(const ShotSession& session, const std::string& path) {
+  const Result<shots::ShotDocument> document = shots::read_document(path);
+  if (!document)
+    return document.error();
+  Result<shots::AccuracySection> section = shots::read_accuracy(*document);
+  if (!section || !section->ladders.empty())
+    return section;
+  const bool has_particles = std::any_of(session.shot.bodies.begin(), session.shot.bodies.end(),
+                                         [&](const shots::Body& body) { return session.shot.is_particles(body); });
+  if (!has_particles)
+    return make_error(ErrorCode::bad_input,
+                      "{} has no ladder in [accuracy]; add one, such as \"fem.time_step\" = [0.02, 0.01, 0.005]", path);
+  section->ladders.push_back({"mpm.precision", {}, {"\"f32\""}});
+  section->reference.push_back({"mpm.precision", "\"f64\"", {}});
+  return section;
+}
+
 } // namespace
 
 Status accuracy_verb(const Invocation& invocation) {
   const Result<ShotSession> session = open_session(invocation);
   if (!session)
     return session.error();
-  const Result<shots::ShotDocument> document = shots::read_document(invocation.subject);
-  if (!document)
-    return document.error();
-  const Result<shots::AccuracySection> section = shots::read_accuracy(*document);
+  const Result<shots::AccuracySection> section = section_of(*session, invocation.subject);
   if (!section)
     return section.error();
-  if (section->ladders.empty())
-    return make_error(ErrorCode::bad_input,
-                      "{} has no ladder in [accuracy]; add one, such as \"fem.time_step\" = [0.02, 0.01, 0.005]",
-                      invocation.subject);
   Result<AccuracyStudy> plan = plan_accuracy_study(*section);
   if (!plan)
     return plan.error();
