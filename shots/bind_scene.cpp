@@ -160,6 +160,7 @@ Expectation bind_expectation(const Reader& reader, const std::string& name) {
   expectation.name = Located<std::string>(name, reader.source());
   expectation.measure = reader.text("measure");
   expectation.frame = reader.optional_integer("frame");
+  expectation.every_frame = reader.boolean("every_frame");
   expectation.min = reader.optional_number("min");
   expectation.max = reader.optional_number("max");
   expectation.sweep_case = reader.optional_text("case");

@@ -509,6 +509,9 @@ private:
     if (!expectation.min && !expectation.max) {
       refuse(below(expectation.source, "min"), " is missing: give min, max or both; without them nothing is expected");
     }
+    if (*expectation.every_frame && expectation.ratio_to) {
+      refuse(expectation.every_frame.source, " = true: ratios between wedges are of one frame; remove ratio_to");
+    }
     if (expectation.min && expectation.max && **expectation.min > **expectation.max) {
       refuse(expectation.max->source,
              fmt::format(" = {}: expected at least min = {}", **expectation.max, **expectation.min));

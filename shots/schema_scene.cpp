@@ -231,6 +231,7 @@ Section expect_section() {
   section.fields = {
       reference("measure", "measure", "The name of a [[measure]].").required(),
       integer("frame", between(0, 1e7), "The frame.").or_word("last", "the last frame"),
+      boolean("every_frame", "On every frame: from `frame` on where it is given, else from the first.").standard(false),
       number("min", "", any_number(), "The least value that is right.").default_is("none"),
       number("max", "", any_number(), "The greatest value that is right.").default_is("none"),
       reference("case", "sweep.case", "Only in wedges of this case.").default_is("every wedge"),

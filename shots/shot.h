@@ -505,7 +505,8 @@ struct Expectation {
   Source source;
   Located<std::string> name;
   Located<std::string> measure;               ///< the name of a measure that exists
-  std::optional<Located<std::int64_t>> frame; ///< absent: the last
+  std::optional<Located<std::int64_t>> frame; ///< absent: the last; of every_frame: the first
+  Located<bool> every_frame;                  ///< on all frames from `frame` on
   std::optional<Located<double>> min, max;
   std::optional<Located<std::string>> sweep_case; ///< only in wedges of this case; absent: in all
   /// The value is first divided by that of the wedge of this case (all else equal).

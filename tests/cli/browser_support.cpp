@@ -76,7 +76,7 @@ Browser::Browser(int width, int height) {
   close(from_child[1]);
   m_to = to_child[1];
   m_from = from_child[0];
-  const json target = call("Target.createTarget", {{"url", "about:blank"}, {"width", width}, {"height", height}});
+  const json target = call("Target.createTarget", {{"url", "about:blank"}});
   if (!target.contains("targetId")) {
     m_problem = "chromium does not answer: " + target.dump();
     return;

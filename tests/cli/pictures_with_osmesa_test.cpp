@@ -31,6 +31,22 @@ TEST_F(Pictures, AreDrawnOnceAndAgainWhenDamaged) {
   EXPECT_EQ(read_text(picture), bytes);
 }
 
+TEST_F(Pictures, AreFollowedByExpectationsOfOneFrameOrOfEvery) {
+  const auto exit_with = [&](const std::string& expectation) {
+    write_text(m_folder.path() / "bar.toml", small_shot() + "[expect.low]\nmeasure = \"height\"\n" + expectation);
+    return run_wry({"run", "bar.toml", "--out", "a", "--quiet"}, m_folder.path()); // simulates and draws only once
+  };
+  EXPECT_EQ(exit_with("max = 0.1001\nframe = 1\n").exit_code, 0); // its free end has not sunk yet
+  const Outcome every = exit_with("max = 0.1001\nevery_frame = true\n");
+  EXPECT_EQ(every.exit_code, 1);
+  EXPECT_NE(every.err.find("height is"), std::string::npos) << every.err;
+  EXPECT_NE(every.err.find("expected at most 0.1001"), std::string::npos) << every.err;
+  EXPECT_EQ(exit_with("max = 0.1001\n").exit_code, 1);
+  EXPECT_EQ(exit_with("min = 0.0999\nevery_frame = true\n").exit_code, 0);
+  EXPECT_EQ(exit_with("min = 0.1001\nevery_frame = true\n").exit_code, 1);
+  EXPECT_EQ(exit_with("min = 0.1001\nevery_frame = true\nframe = 9\n").exit_code, 0);
+}
+
 TEST_F(Pictures, OfAFrameThatIsNotThereCannotBeDrawn) {
   ASSERT_EQ(run_wry({"simulate", "bar.toml", "--out", "a", "--frames", "1-2"}, m_folder.path()).exit_code, 0);
   const Outcome drawn =
