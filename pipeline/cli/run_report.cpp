@@ -45,8 +45,14 @@ void add_summary(const ShotSession& session, const ScenePlan& plan, HtmlPage& pa
     if (summary.is_object() && summary.contains("wall_seconds") && summary["wall_seconds"].is_number())
       rows.emplace_back("time of the last run", human_duration(summary["wall_seconds"].get<double>()));
     if (summary.is_object() && summary.contains("this_run") && summary["this_run"].is_object()) {
-      for (const auto& [key, value] : summary["this_run"].items())
-        rows.emplace_back(key, value_text(value));
+      for (const auto& [key, value] : summary["this_run"].items()) {
+        if (!value.is_object()) {
+          rows.emplace_back(key, value_text(value));
+          continue;
+        }
+        for (const auto& [part, of_part] : value.items())
+          rows.emplace_back(key + " " + part, value_text(of_part));
+      }
     }
   }
   page.facts(rows);

@@ -48,6 +48,34 @@ void print_totals(const ScenePlan& plan, const SimulateOutcome& outcome) {
     fmt::print("  particles: {}\n", particle_text(totals.particles));
 }
 
+/// Steps and their cost; of each method only where it ran.
+nlohmann::json spent(const StepTotals& totals) {
+  nlohmann::json spent = nlohmann::json::object();
+  if (totals.steps > 0)
+    spent = {{"steps", totals.steps},
+             {"newton_iterations", totals.newton_iterations},
+             {"linear_iterations", totals.linear_iterations},
+             {"cuts", totals.cuts},
+             {"projected_elements", totals.projected_elements},
+             {"most_contacts", totals.most_contacts},
+             {"worst_residual_Ns", totals.worst_residual},
+             {"evaluate_ms", totals.evaluate_ms},
+             {"assemble_ms", totals.assemble_ms},
+             {"solve_ms", totals.solve_ms},
+             {"total_ms", totals.total_ms}};
+  if (totals.particles.steps > 0)
+    spent["particles"] = {{"steps", totals.particles.steps},
+                          {"particle_steps", totals.particles.particle_steps},
+                          {"shortest_step_s", totals.particles.smallest_dt},
+                          {"steps_cut", totals.particles.cut},
+                          {"sort_ms", totals.particles.sort_ms},
+                          {"scatter_ms", totals.particles.scatter_ms},
+                          {"grid_ms", totals.particles.grid_ms},
+                          {"gather_ms", totals.particles.gather_ms},
+                          {"total_ms", totals.particles.total_ms}};
+  return spent;
+}
+
 Status write_summary(const ShotSession& session, const ScenePlan& plan, const SimulateOutcome& outcome,
                      const MeasureTable& table) {
   const StepTotals& totals = outcome.totals;
@@ -64,28 +92,7 @@ Status write_summary(const ShotSession& session, const ScenePlan& plan, const Si
                                   {"resumed_from_frame", outcome.resumed_from},
                                   {"solver", outcome.solver},
                                   {"wall_seconds", outcome.wall_seconds},
-                                  {"this_run",
-                                   {{"steps", totals.steps},
-                                    {"newton_iterations", totals.newton_iterations},
-                                    {"linear_iterations", totals.linear_iterations},
-                                    {"cuts", totals.cuts},
-                                    {"projected_elements", totals.projected_elements},
-                                    {"most_contacts", totals.most_contacts},
-                                    {"worst_residual_Ns", totals.worst_residual},
-                                    {"evaluate_ms", totals.evaluate_ms},
-                                    {"assemble_ms", totals.assemble_ms},
-                                    {"solve_ms", totals.solve_ms},
-                                    {"total_ms", totals.total_ms},
-                                    {"particles",
-                                     {{"steps", totals.particles.steps},
-                                      {"particle_steps", totals.particles.particle_steps},
-                                      {"shortest_step_s", totals.particles.smallest_dt},
-                                      {"steps_cut", totals.particles.cut},
-                                      {"sort_ms", totals.particles.sort_ms},
-                                      {"scatter_ms", totals.particles.scatter_ms},
-                                      {"grid_ms", totals.particles.grid_ms},
-                                      {"gather_ms", totals.particles.gather_ms},
-                                      {"total_ms", totals.particles.total_ms}}}}},
+                                  {"this_run", spent(totals)},
                                   {"measures", measures}};
   return write_file_atomically(session.out / "summary.json",
                                summary.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");

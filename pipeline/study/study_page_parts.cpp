@@ -246,7 +246,7 @@ function plot(title, xlabel, series, names) {
   if (y0 === y1) { const d = Math.abs(y0) / 2 || 0.5; y0 -= d; y1 += d; }
   const X = v => L + (W - L - R) * (v - x0) / (x1 - x0), Y = v => H - B - (H - T - B) * (v - y0) / (y1 - y0);
   for (const t of ticks(y0, y1)) root.append(svg('line', { class: 'gridline', x1: L, x2: W - R, y1: Y(t), y2: Y(t) }), svg('text', { x: L - 6, y: Y(t) + 4, 'text-anchor': 'end' }, short(t)));
-  if (names) names.forEach((n, i) => root.append(svg('text', { x: X(i), y: H - 18, 'text-anchor': 'middle' }, n)));
+  if (names) names.forEach((n, i) => root.append(svg('text', { x: X(i), y: H - 18, 'text-anchor': names.length < 2 ? 'middle' : i === 0 ? 'start' : i === names.length - 1 ? 'end' : 'middle' }, n)));
   else for (const t of ticks(x0, x1)) root.append(svg('line', { class: 'gridline', x1: X(t), x2: X(t), y1: T, y2: H - B }), svg('text', { x: X(t), y: H - 18, 'text-anchor': 'middle' }, short(t)));
   root.append(svg('text', { x: W - R, y: H - 4, 'text-anchor': 'end' }, xlabel));
   for (const s of series) {
