@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "pipeline/cli/output_folder.h"
 #include "pipeline/run/engines/job_process.h"
 #include "pipeline/study/study_display.h"
 
@@ -46,6 +47,32 @@ Result<Study> run_study_session(const StudyRequest& request, const Study& study,
                                    : invocation.only_failed ? StudySelection::only_failed
                                                             : StudySelection::unfinished;
   return run_study(request, study, **engine, settings, selection);
+}
+
+Result<std::optional<HeldStudy>> hold_study(StudyRequest& request, std::vector<Variant>& variants,
+                                            const std::optional<std::string>& frames, const Invocation& invocation) {
+  request.stages = StudyStages::simulate;
+  request.failures_are_results = true;
+  if (request.frames.empty() && frames)
+    request.frames = *frames;
+  if (Status status = number_variants(variants, request.folder); !status)
+    return status.error();
+  request.variants = variants;
+  Result<Study> study = read_study(request);
+  if (!study)
+    return study.error();
+  if (invocation.list || invocation.dry_run) {
+    print_job_graph(*study, invocation);
+    return std::optional<HeldStudy>();
+  }
+  Result<FolderLock> lock = take_folder(request.folder);
+  if (!lock)
+    return lock.error();
+  if (!invocation.collect)
+    study = run_study_session(request, *study, invocation);
+  if (!study)
+    return study.error();
+  return std::optional<HeldStudy>(HeldStudy{std::move(*study), std::move(*lock)});
 }
 
 void print_job_graph(const Study& study, const Invocation& invocation) {

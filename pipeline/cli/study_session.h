@@ -1,6 +1,11 @@
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "pipeline/cli/shot_session.h"
+#include "pipeline/run/lock.h"
 #include "pipeline/study/study.h"
 
 namespace wry::pipeline {
@@ -11,6 +16,18 @@ StudyRequest study_request(const ShotSession& session, const Invocation& invocat
 /// Runs what is selected of a study on --engine, with a live status; the caller holds the lock of its folder. Errors:
 /// as run_study().
 Result<Study> run_study_session(const StudyRequest& request, const Study& study, const Invocation& invocation);
+
+/// A study's rows, held so that nobody else writes into its folder.
+struct HeldStudy {
+  Study study;
+  FolderLock lock;
+};
+
+/// The study of `variants` whose failures are results (wry accuracy, wry stress), run as far as it has not been;
+/// `frames` are those of its section. Nothing where the command line only asks for the list. Errors: as run_study();
+/// locked.
+Result<std::optional<HeldStudy>> hold_study(StudyRequest& request, std::vector<Variant>& variants,
+                                            const std::optional<std::string>& frames, const Invocation& invocation);
 
 /// Prints the jobs of a study, for people or (--json) for farms that we do not know.
 void print_job_graph(const Study& study, const Invocation& invocation);

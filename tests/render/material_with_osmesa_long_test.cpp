@@ -8,33 +8,10 @@
 namespace wry::render {
 namespace {
 
-/// A ball in a world that is equally white on all sides, without any light.
-RenderPlan white_furnace(const MeshScene& ball, const Look& look) {
-  RenderPlan plan = testing::small_plan(ball);
-  plan.samples = 1;
-  plan.ground.kind = Ground::Kind::none;
-  plan.default_look = look;
-  plan.rig = Rig();
-  plan.rig.occlusion = Rig::Occlusion::none;
-  plan.rig.sky = Eigen::Vector3f::Ones();
-  plan.rig.bounce = Rig::Bounce::given;
-  plan.rig.given_bounce = Eigen::Vector3f::Ones();
-  plan.rig.given_backdrop = Eigen::Vector3f::Ones();
-  return plan;
-}
-
-Look white(float roughness, float metallic) {
-  Look look;
-  look.base_colour = Eigen::Vector3f::Ones();
-  look.roughness = roughness;
-  look.metallic = metallic;
-  return look;
-}
-
 /// Light sent to the eye by the middle of a ball, integrated over far lights from everywhere.
 double reflected_of_all_directions(const Look& look) {
   const MeshScene ball = make_mesh_scene(testing::sphere(Vec3(0, 0, 0), 1, 256, 512), "ball", "");
-  RenderPlan plan = white_furnace(ball, look);
+  RenderPlan plan = testing::white_furnace(ball, look);
   plan.rig.sky.setZero();
   plan.rig.given_bounce.setZero();
   plan.camera.azimuth_degrees = 0;
@@ -62,8 +39,8 @@ double reflected_of_all_directions(const Look& look) {
 }
 
 TEST(Material, SendsBackAllLightOfDistantLightsAndNoMore) {
-  EXPECT_NEAR(reflected_of_all_directions(white(1.F, 0.F)), 1.0, 0.02);
-  EXPECT_NEAR(reflected_of_all_directions(white(0.6F, 1.F)), 1.0, 0.03);
+  EXPECT_NEAR(reflected_of_all_directions(testing::white(1.F, 0.F)), 1.0, 0.02);
+  EXPECT_NEAR(reflected_of_all_directions(testing::white(0.6F, 1.F)), 1.0, 0.03);
 }
 
 } // namespace

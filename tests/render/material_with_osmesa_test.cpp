@@ -8,36 +8,13 @@
 namespace wry::render {
 namespace {
 
-/// A ball in a world that is equally white on all sides, without any light.
-RenderPlan white_furnace(const MeshScene& ball, const Look& look) {
-  RenderPlan plan = testing::small_plan(ball);
-  plan.samples = 1;
-  plan.ground.kind = Ground::Kind::none;
-  plan.default_look = look;
-  plan.rig = Rig();
-  plan.rig.occlusion = Rig::Occlusion::none;
-  plan.rig.sky = Eigen::Vector3f::Ones();
-  plan.rig.bounce = Rig::Bounce::given;
-  plan.rig.given_bounce = Eigen::Vector3f::Ones();
-  plan.rig.given_backdrop = Eigen::Vector3f::Ones();
-  return plan;
-}
-
-Look white(float roughness, float metallic) {
-  Look look;
-  look.base_colour = Eigen::Vector3f::Ones();
-  look.roughness = roughness;
-  look.metallic = metallic;
-  return look;
-}
-
 TEST(Material, WhiteBallVanishesInAWhiteFurnace) {
   const MeshScene ball = make_mesh_scene(testing::sphere(Vec3(0, 0, 0), 1, 64, 128), "ball", "");
   for (const float metallic : {0.F, 1.F}) {
     for (const float roughness : {0.1F, 0.4F, 0.7F, 1.F}) {
-      Look look = white(roughness, metallic);
+      Look look = testing::white(roughness, metallic);
       look.clearcoat = roughness < 0.5F ? 1.F : 0.F;
-      Result<Renderer> renderer = Renderer::create(white_furnace(ball, look), ball.scene);
+      Result<Renderer> renderer = Renderer::create(testing::white_furnace(ball, look), ball.scene);
       ASSERT_TRUE(renderer.ok()) << renderer.error().message;
       const Result<LinearImage> image = renderer->draw_linear(ball.frame, {});
       ASSERT_TRUE(image.ok());

@@ -135,33 +135,18 @@ Status accuracy_verb(const Invocation& invocation) {
   StudyRequest request = study_request(*session, invocation);
   request.folder /= "accuracy";
   request.part = "rungs";
-  request.stages = StudyStages::simulate;
-  request.failures_are_results = true;
-  if (request.frames.empty() && section->frames)
-    request.frames = *section->frames;
-  if (Status status = number_variants(plan->variants, request.folder); !status)
-    return status;
-  request.variants = plan->variants;
-  Result<Study> study = read_study(request);
-  if (!study)
-    return study.error();
-  if (invocation.list || invocation.dry_run) {
-    print_job_graph(*study, invocation);
+  const Result<std::optional<HeldStudy>> held = hold_study(request, plan->variants, section->frames, invocation);
+  if (!held)
+    return held.error();
+  if (!*held)
     return {};
-  }
-  const Result<FolderLock> lock = take_folder(request.folder);
-  if (!lock)
-    return lock.error();
-  if (!invocation.collect)
-    study = run_study_session(request, *study, invocation);
-  if (!study)
-    return study.error();
-  const AccuracyReport report = judge_accuracy(*section, *plan, study->rows);
+  const std::vector<StudyRow>& rows = (*held)->study.rows;
+  const AccuracyReport report = judge_accuracy(*section, *plan, rows);
   if (Status status = write_accuracy(*session, request, *section, report); !status)
     return status;
   if (!invocation.quiet)
     fmt::print("{}\n{}page: {}\n", rung_table(report), remarks_text(report), (request.folder / "index.html").string());
-  if (const std::string failures = study_failures(study->rows); !failures.empty())
+  if (const std::string failures = study_failures(rows); !failures.empty())
     return make_error(ErrorCode::check_failed, "rungs that could not be run:\n{}", failures);
   return {};
 }

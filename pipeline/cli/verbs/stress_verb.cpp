@@ -63,30 +63,15 @@ Status stress_verb(const Invocation& invocation) {
   StudyRequest request = study_request(*session, invocation);
   request.folder /= "stress";
   request.part = "cases";
-  request.stages = StudyStages::simulate;
-  request.failures_are_results = true;
   request.time_limit_seconds = section->time_limit;
-  if (request.frames.empty() && section->frames)
-    request.frames = *section->frames;
-  if (Status status = number_variants(plan.variants, request.folder); !status)
-    return status;
-  request.variants = plan.variants;
-  Result<Study> study = read_study(request);
-  if (!study)
-    return study.error();
-  if (invocation.list || invocation.dry_run) {
-    print_job_graph(*study, invocation);
+  const Result<std::optional<HeldStudy>> held = hold_study(request, plan.variants, section->frames, invocation);
+  if (!held)
+    return held.error();
+  if (!*held)
     return {};
-  }
-  const Result<FolderLock> lock = take_folder(request.folder);
-  if (!lock)
-    return lock.error();
-  if (!invocation.collect)
-    study = run_study_session(request, *study, invocation);
-  if (!study)
-    return study.error();
-  const StressReport report = judge_stress(plan, study->rows);
-  if (Status status = write_stress(plan, study->rows, report, *session->shot.shot.name, request); !status)
+  const std::vector<StudyRow>& rows = (*held)->study.rows;
+  const StressReport report = judge_stress(plan, rows);
+  if (Status status = write_stress(plan, rows, report, *session->shot.shot.name, request); !status)
     return status;
   if (!invocation.quiet) {
     for (const std::string& line : report.safe)
