@@ -46,9 +46,12 @@ struct RenderPlan {
   Tone tone = Tone::filmic;    ///< of views that leave it open
   Background background = Background::drawn;
   DataWanted data = DataWanted::no;
-  int bits = 8;                   ///< 8 or 16 a channel
-  double fps = 24.0;              ///< [1/s]
-  double shutter = 0.0;           ///< open time as a part of a frame; 0: no motion blur, 0.5: film; 0 ... 1
+  int bits = 8;         ///< 8 or 16 a channel
+  double fps = 24.0;    ///< [1/s]
+  double shutter = 0.0; ///< open time as a part of a frame; 0: no motion blur, 0.5: film; 0 ... 1
+  /// Whether grains that are proven to be behind others are drawn all the same: slower, the same
+  /// picture but for slivers that the first sub-frame cannot see, a pixel in some thousands.
+  enum class HiddenGrains { left_out, drawn } hidden_grains = HiddenGrains::left_out;
   SubjectBounds bounds;           ///< of the whole sequence
   std::vector<std::string> slate; ///< lines burned in at the lower left of every picture; empty: none
   GlBackend backend = GlBackend::automatic;

@@ -100,6 +100,10 @@ struct Renderer::Machinery {
   Result<Camera> camera(const Frame& frame, const Picture& picture) const;
   SubFrame sub_frame(const View& view, const CameraPlan& asked, const Camera& camera, int index) const;
   void face_grains(const SubFrame& sub_frame);
+  bool is_still(const CameraPlan& asked) const;
+  void leave_out_hidden_grains(const SubFrame& drawn, Geometry::Drawn done);
+  Status draw_nearest_grains(SubFrame& first);
+  Status draw_pass(std::size_t index, const SubFrame& sub_frame);
   Status draw_passes(const Frame& frame, const Picture& picture);
   Status draw_data_passes(const Frame& frame, const Picture& picture);
 };
@@ -172,6 +176,54 @@ void Renderer::Machinery::face_grains(const SubFrame& sub_frame) {
   times.front().wall_ms += wall_ms() - wall;
 }
 
+/// Whether nothing but the raster moves between sub-frames.
+bool Renderer::Machinery::is_still(const CameraPlan& asked) const {
+  return !(plan.shutter > 0.0) && !asked.f_stop.has_value();
+}
+
+void Renderer::Machinery::leave_out_hidden_grains(const SubFrame& drawn, Geometry::Drawn done) {
+  const double cpu = cpu_ms();
+  const double wall = wall_ms();
+  std::vector<float> depth(static_cast<std::size_t>(plan.size.width) * static_cast<std::size_t>(plan.size.height));
+  context->gl().GetTextureImage(targets->depth.name(), 0, GL_DEPTH_COMPONENT, GL_FLOAT,
+                                static_cast<GLsizei>(depth.size() * sizeof(float)), depth.data());
+  geometry->hide_behind(FarthestDepths(std::move(depth), plan.size), drawn.clip_from_world, plan.size, done);
+  times.front().cpu_ms += cpu_ms() - cpu;
+  times.front().wall_ms += wall_ms() - wall;
+}
+
+/// Of a heap most grains are behind others. The nearest are drawn first, so that those which they hide are never cut to
+/// triangles; the sub-frame then adds the rest.
+Status Renderer::Machinery::draw_nearest_grains(SubFrame& first) {
+  constexpr std::size_t WORTH_IT = 20000;
+  constexpr double NEAREST = 0.25;
+  if (geometry->grains() < WORTH_IT)
+    return {};
+  geometry->show_nearest(first.clip_from_world, NEAREST);
+  face_grains(first);
+  const auto surface = std::find_if(pass_table().begin(), pass_table().end(),
+                                    [](const PassEntry& entry) { return entry.create == create_surface_pass; });
+  const auto index = static_cast<std::size_t>(surface - pass_table().begin());
+  if (Status status = draw_pass(index, first); !status.ok())
+    return status;
+  leave_out_hidden_grains(first, Geometry::Drawn::nearest);
+  first.surface_begun = true;
+  return {};
+}
+
+Status Renderer::Machinery::draw_pass(std::size_t index, const SubFrame& sub_frame) {
+  const Result<Pass*> ready = pass(index);
+  if (!ready.ok())
+    return ready.error();
+  const double cpu = cpu_ms();
+  const double wall = wall_ms();
+  (*ready)->draw(sub_frame);
+  context->gl().Finish();
+  times[index + 1].cpu_ms += cpu_ms() - cpu;
+  times[index + 1].wall_ms += wall_ms() - wall;
+  return {};
+}
+
 Status Renderer::Machinery::draw_passes(const Frame& frame, const Picture& picture) {
   const Result<View> view = find_view(plan, picture.view);
   if (!view.ok())
@@ -189,7 +241,13 @@ Status Renderer::Machinery::draw_passes(const Frame& frame, const Picture& pictu
   for (const PassEntry& entry : pass_table())
     times.push_back({entry.name, 0.0, 0.0});
   for (int index = 0; index < plan.samples; ++index) {
-    const SubFrame current = sub_frame(*view, picture.camera.value_or(plan.camera), *placed, index);
+    SubFrame current = sub_frame(*view, picture.camera.value_or(plan.camera), *placed, index);
+    const bool still = is_still(picture.camera.value_or(plan.camera)) && geometry->has_clouds() &&
+                       plan.hidden_grains == RenderPlan::HiddenGrains::left_out;
+    if (index == 0 && still) {
+      if (const Status status = draw_nearest_grains(current); !status.ok())
+        return status;
+    }
     face_grains(current);
     for (std::size_t p = 0; p < pass_table().size(); ++p) {
       const PassEntry& entry = pass_table()[p];
@@ -198,16 +256,11 @@ Status Renderer::Machinery::draw_passes(const Frame& frame, const Picture& pictu
                        (rate == PassRate::last_sub_frame && index + 1 == plan.samples);
       if (!now || !entry.needed(plan, *view))
         continue;
-      const Result<Pass*> ready = pass(p);
-      if (!ready.ok())
-        return ready.error();
-      const double cpu = cpu_ms();
-      const double wall = wall_ms();
-      (*ready)->draw(current);
-      context->gl().Finish();
-      times[p + 1].cpu_ms += cpu_ms() - cpu;
-      times[p + 1].wall_ms += wall_ms() - wall;
+      if (const Status status = draw_pass(p, current); !status.ok())
+        return status;
     }
+    if (index == 0 && plan.samples > 1 && still)
+      leave_out_hidden_grains(current, Geometry::Drawn::all);
   }
   if (const GLenum error = context->gl().GetError(); error != GL_NO_ERROR)
     return make_error(error == GL_OUT_OF_MEMORY ? ErrorCode::out_of_memory : ErrorCode::unavailable,

@@ -1,5 +1,6 @@
 #include "render/passes/pass.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cstddef>
 
@@ -99,6 +100,7 @@ Geometry::Geometry(const GlFunctions& gl, const std::vector<Image>& textures)
 void Geometry::upload(const DrawList& list) {
   upload_triangles(list);
   m_clouds = list.clouds;
+  m_in_sight.clear();
   m_eye_ready = false;
   m_light_ready = false;
 }
@@ -178,15 +180,17 @@ void Geometry::face_eye(const Eigen::Vector3f& eye, float seconds) {
   m_box_vertices.clear();
   m_round_triangles.vertices.clear();
   m_round_triangles.indices.clear();
-  for (const DrawCloud& cloud : m_clouds) {
+  for (std::size_t c = 0; c < m_clouds.size(); ++c) {
+    const DrawCloud& cloud = m_clouds[c];
     if (cloud.seen_by == DrawCloud::For::light)
       continue;
+    const std::vector<DrawGrain>& grains = m_in_sight.empty() ? cloud.grains : m_in_sight[c];
     if (cloud.segments == 0)
-      append_boxes(cloud.grains, from, seconds, m_box_vertices);
+      append_boxes(grains, from, seconds, m_box_vertices);
     else if (cloud.shape == GrainShape::sphere)
-      append_spheres(cloud.grains, cloud.segments, from, seconds, m_round_triangles);
+      append_spheres(grains, cloud.segments, from, seconds, m_round_triangles);
     else
-      append_cylinders(cloud.grains, cloud.shape, cloud.segments, from, seconds, m_round_triangles);
+      append_cylinders(grains, cloud.shape, cloud.segments, from, seconds, m_round_triangles);
   }
   fill(m_gl, m_boxes, m_box_vertices);
   fill(m_gl, m_rounds, m_round_triangles.vertices);
@@ -197,6 +201,57 @@ void Geometry::face_eye(const Eigen::Vector3f& eye, float seconds) {
   m_round_count = static_cast<GLsizei>(m_round_triangles.indices.size());
   m_eye_ready = true;
   m_eye_seconds = seconds;
+}
+
+float Geometry::distance_to(const DrawGrain& grain, const Eigen::Matrix4f& clip_from_world) {
+  return clip_from_world(3, 0) * grain.centre[0] + clip_from_world(3, 1) * grain.centre[1] +
+         clip_from_world(3, 2) * grain.centre[2] + clip_from_world(3, 3);
+}
+
+std::size_t Geometry::grains() const {
+  std::size_t count = 0;
+  for (const DrawCloud& cloud : m_clouds)
+    count += cloud.seen_by == DrawCloud::For::light ? 0 : cloud.grains.size();
+  return count;
+}
+
+void Geometry::show_nearest(const Eigen::Matrix4f& clip_from_world, double part) {
+  std::vector<float> distances;
+  distances.reserve(grains());
+  for (const DrawCloud& cloud : m_clouds) {
+    for (std::size_t i = 0; cloud.seen_by != DrawCloud::For::light && i < cloud.grains.size(); ++i)
+      distances.push_back(distance_to(cloud.grains[i], clip_from_world));
+  }
+  if (distances.empty())
+    return;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(distances.size() - 1));
+  std::nth_element(distances.begin(), middle, distances.end());
+  m_nearest = *middle;
+  m_in_sight.assign(m_clouds.size(), {});
+  for (std::size_t c = 0; c < m_clouds.size(); ++c) {
+    for (std::size_t i = 0; m_clouds[c].seen_by != DrawCloud::For::light && i < m_clouds[c].grains.size(); ++i) {
+      if (distance_to(m_clouds[c].grains[i], clip_from_world) <= m_nearest)
+        m_in_sight[c].push_back(m_clouds[c].grains[i]);
+    }
+  }
+  m_eye_ready = false;
+}
+
+void Geometry::hide_behind(const FarthestDepths& depths, const Eigen::Matrix4f& clip_from_world, const ImageSize& size,
+                           Drawn drawn) {
+  m_in_sight.assign(m_clouds.size(), {});
+  for (std::size_t c = 0; c < m_clouds.size(); ++c) {
+    const std::vector<DrawGrain>& grains = m_clouds[c].grains;
+    if (m_clouds[c].seen_by == DrawCloud::For::light)
+      continue;
+    const std::vector<std::uint8_t> hidden = hidden_grains(grains, clip_from_world, depths, size);
+    for (std::size_t i = 0; i < grains.size(); ++i) {
+      const bool there = drawn == Drawn::nearest && distance_to(grains[i], clip_from_world) <= m_nearest;
+      if (hidden[i] == 0 && !there)
+        m_in_sight[c].push_back(grains[i]);
+    }
+  }
+  m_eye_ready = false;
 }
 
 void Geometry::attach_grain_data() {

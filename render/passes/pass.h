@@ -8,6 +8,7 @@
 #include "render/drawable_scene.h"
 #include "render/gl/gl_objects.h"
 #include "render/grain_shapes.h"
+#include "render/hidden_grains.h"
 #include "render/passes/light_state.h"
 #include "render/passes/touched_rect.h"
 
@@ -57,6 +58,14 @@ public:
   void face_eye(const Eigen::Vector3f& eye, float seconds);
   void face_light(const Eigen::Vector3f& towards, float seconds);
   bool has_clouds() const { return !m_clouds.empty(); }
+  /// Until the next upload() or hide_behind() only this part of the grains is drawn: those nearest to the eye.
+  void show_nearest(const Eigen::Matrix4f& clip_from_world, double part);
+  std::size_t grains() const;
+  /// Leaves out, until the next upload() or call, the grains that what was just drawn proves to be behind it, and after
+  /// show_nearest() those nearest, too: only where neither eye nor grains move between sub-frames.
+  enum class Drawn { nearest, all };
+  void hide_behind(const FarthestDepths& depths, const Eigen::Matrix4f& clip_from_world, const ImageSize& size,
+                   Drawn drawn);
   /// Gives the grains, as they face the eye, their velocity and body, for the data pass.
   void attach_grain_data();
   void draw_boxes() const;    ///< normals flat, from the last vertex
@@ -77,6 +86,10 @@ private:
   std::vector<TexturedRange> m_ranges;
 
   std::vector<DrawCloud> m_clouds;
+  static float distance_to(const DrawGrain& grain, const Eigen::Matrix4f& clip_from_world);
+
+  float m_nearest = 0.f;                          ///< distance up to which show_nearest() shows grains [m]
+  std::vector<std::vector<DrawGrain>> m_in_sight; ///< per cloud, in place of its grains; empty: all are
   GlObject m_boxes, m_box_indices, m_box_array;
   GlObject m_rounds, m_round_indices, m_round_array;
   GlObject m_box_data, m_round_data;
@@ -99,9 +112,10 @@ struct SubFrame {
   Eigen::Vector2f jitter; ///< shift of the picture [ndc]
   float seconds = 0.f;    ///< when within the exposure, from its middle [s]
   Eigen::Matrix4f clip_from_world;
-  float scene_radius = 1.f;  ///< [m]
-  float ground_height = 0.f; ///< along up, relative to the centre of the bounds [m]
-  PixelRect touched;         ///< outside it the picture is evenly lit floor and backdrop
+  float scene_radius = 1.f;   ///< [m]
+  float ground_height = 0.f;  ///< along up, relative to the centre of the bounds [m]
+  bool surface_begun = false; ///< what the surface pass draws comes to what is there
+  PixelRect touched;          ///< outside it the picture is evenly lit floor and backdrop
   LightState lights;
 };
 

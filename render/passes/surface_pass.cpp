@@ -174,12 +174,15 @@ public:
     const float farthest = 0.f;
     gl.BindFramebuffer(GL_FRAMEBUFFER, frame);
     gl.Viewport(0, 0, targets.size.width, targets.size.height);
-    gl.ClearNamedFramebufferuiv(frame, GL_COLOR, 0, nothing.data());
-    gl.ClearNamedFramebufferfv(frame, GL_DEPTH, 0, &farthest);
+    if (!sub_frame.surface_begun) {
+      gl.ClearNamedFramebufferuiv(frame, GL_COLOR, 0, nothing.data());
+      gl.ClearNamedFramebufferfv(frame, GL_DEPTH, 0, &farthest);
+    }
     gl.Enable(GL_DEPTH_TEST);
     gl.DepthFunc(GL_GREATER);
     gl.Disable(GL_BLEND);
-    draw_triangles(sub_frame);
+    if (!sub_frame.surface_begun)
+      draw_triangles(sub_frame);
     draw_grains(sub_frame);
   }
 

@@ -38,6 +38,27 @@ TEST(Grains, EveryShapeIsDrawnAndCoversTheSameHeap) {
   }
 }
 
+TEST(Grains, ThoseHiddenBehindOthersAreNotMissed) {
+  const MeshScene scene = testing::heap(60'000, {GrainShape::rod, Vec3(1, 1, 10)}, "straw");
+  RenderPlan plan = testing::small_plan(scene);
+  plan.samples = 4;
+  const Result<Image> some = drawn(plan, scene);
+  ASSERT_TRUE(some.ok()) << some.error().message;
+  plan.hidden_grains = RenderPlan::HiddenGrains::drawn;
+  const Result<Image> all = drawn(plan, scene);
+  ASSERT_TRUE(all.ok()) << all.error().message;
+  ASSERT_EQ(some->pixels.size(), all->pixels.size());
+  // A grain may look through a gap that is too narrow for the first sub-frame to see.
+  std::size_t differ = 0;
+  int most = 0;
+  for (std::size_t i = 0; i < all->pixels.size(); ++i) {
+    differ += some->pixels[i] != all->pixels[i] ? 1 : 0;
+    most = std::max(most, std::abs(some->pixels[i] - all->pixels[i]));
+  }
+  EXPECT_LT(differ, all->pixels.size() / 2000);
+  EXPECT_LT(most, 32) << differ;
+}
+
 /// The same heap with a grain too few for burial to look at it, and whole.
 TEST(Grains, BuriedOnesAreNotMissed) {
   MeshScene scene = testing::heap(40'000, {GrainShape::brick, Vec3(1, 1, 3)}, "straw");

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "render/camera.h"
+#include "render/grain_cloud.h"
+
+namespace wry::render {
+
+/// The depths of a picture (near_distance / distance, 0 where nothing is), of which the farthest in a rectangle is
+/// found at once: each level holds the least of two by two of the one below.
+class FarthestDepths {
+public:
+  /// `depth`: row after row, from the bottom.
+  FarthestDepths(std::vector<float> depth, const ImageSize& size);
+
+  /// The least depth of the pixels [left, right] x [bottom, top], clipped to the picture, or of some more around them.
+  float least(int left, int bottom, int right, int top) const;
+
+private:
+  struct Level {
+    int width = 0, height = 0;
+    std::vector<float> least;
+  };
+  std::vector<Level> m_levels;
+};
+
+/// For each grain 1 if it lies behind everything that is seen of the picture where it stands, by more than its own
+/// thickness, with two pixels of room on all sides: in other sub-frames of the same still picture it cannot be seen
+/// either. `clip_from_world` is that of the picture the depths are of.
+std::vector<std::uint8_t> hidden_grains(std::span<const DrawGrain> grains, const Eigen::Matrix4f& clip_from_world,
+                                        const FarthestDepths& depths, const ImageSize& size);
+
+} // namespace wry::render

@@ -1,0 +1,81 @@
+#include "render/hidden_grains.h"
+
+#include <gtest/gtest.h>
+
+namespace wry::render {
+namespace {
+
+constexpr ImageSize SIZE{64, 48};
+constexpr float NEAR_DISTANCE = 0.1f;
+
+/// An eye at the origin that looks along -z, as wide as high.
+Eigen::Matrix4f clip() {
+  Eigen::Matrix4f matrix = Eigen::Matrix4f::Zero();
+  matrix(0, 0) = 1.f;
+  matrix(1, 1) = 64.f / 48.f;
+  matrix(2, 3) = NEAR_DISTANCE;
+  matrix(3, 2) = -1.f;
+  return matrix;
+}
+
+DrawGrain cube(float x, float y, float distance, float half) {
+  return {{x, y, -distance}, {{{half, 0, 0}, {0, half, 0}, {0, 0, half}}}, {0, 0, 0}, 0};
+}
+
+/// A wall at 2 m over all of the picture but the pixels from `open` on to the right.
+FarthestDepths wall(int open) {
+  std::vector<float> depth;
+  for (int y = 0; y < SIZE.height; ++y) {
+    for (int x = 0; x < SIZE.width; ++x)
+      depth.push_back(x < open ? NEAR_DISTANCE / 2.f : 0.f);
+  }
+  return {std::move(depth), SIZE};
+}
+
+TEST(HiddenGrains, AreThoseBehindAllThatIsSeenAroundThem) {
+  const std::vector<DrawGrain> grains = {
+      cube(0, 0, 3.f, 0.05f),   // behind
+      cube(0, 0, 1.5f, 0.05f),  // before
+      cube(0, 0, 2.12f, 0.05f), // behind by less than its thickness
+      cube(3.f, 0, 3.1f, 0.3f), // its edge is off the picture
+      cube(0, 0, 0.12f, 0.05f), // about the eye
+  };
+  const std::vector<std::uint8_t> hidden = hidden_grains(grains, clip(), wall(SIZE.width), SIZE);
+  EXPECT_EQ(hidden, (std::vector<std::uint8_t>{1, 0, 0, 0, 0}));
+}
+
+TEST(HiddenGrains, AreSeenThroughAGapNearThem) {
+  // At 3 m a pixel is 3/32 m; the grain covers columns 31 and 32, and two more on either side count.
+  const std::vector<DrawGrain> grains = {cube(0, 0, 3.f, 0.05f)};
+  for (int open = 20; open <= 34; ++open)
+    EXPECT_EQ(hidden_grains(grains, clip(), wall(open), SIZE)[0], 0) << open;
+  for (int open = 37; open < 50; ++open) // what is looked at in pairs of columns may be a little wider
+    EXPECT_EQ(hidden_grains(grains, clip(), wall(open), SIZE)[0], 1) << open;
+}
+
+TEST(HiddenGrains, FarthestDepthsAreNeverNearerThanThoseOfTheRectangle) {
+  std::vector<float> depth;
+  for (int i = 0; i < SIZE.width * SIZE.height; ++i)
+    depth.push_back(static_cast<float>((i * 7919) % 1009));
+  const FarthestDepths depths(depth, SIZE);
+  for (int left = 0; left < SIZE.width; left += 5) {
+    for (int width = 0; width < 40; width += 3) {
+      float truth = 1e9f, around = 1e9f;
+      for (int y = 0; y < SIZE.height; ++y) {
+        for (int x = 0; x < SIZE.width; ++x) {
+          const float value = depth[static_cast<std::size_t>(y * SIZE.width + x)];
+          if (x >= left && x <= left + width && y >= 10 && y <= 10 + width / 2)
+            truth = std::min(truth, value);
+          if (x >= left - width && x <= left + 2 * width && y >= 10 - width && y <= 10 + 2 * width)
+            around = std::min(around, value);
+        }
+      }
+      const float found = depths.least(left, 10, left + width, 10 + width / 2);
+      EXPECT_LE(found, truth);
+      EXPECT_GE(found, around);
+    }
+  }
+}
+
+} // namespace
+} // namespace wry::render
