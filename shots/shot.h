@@ -118,8 +118,8 @@ struct Body : Placed {
   Located<std::string> material;            ///< the name of a [material.X] that exists
   std::optional<Located<std::string>> look; ///< a [look.X] or a built-in look; absent: a default look
   Located<DrawnAs> draw;
-  Located<Vec3> velocity;                   ///< initial [m/s]
-  ParticleBody particles;                   ///< when the material's model is mpm; a region takes the place of shape
+  Located<Vec3> velocity; ///< initial [m/s]
+  ParticleBody particles; ///< when the material's model is mpm; a region takes the place of shape
   /// Rotation vector of the directors at rest [degrees]; nullopt: 0.
   std::array<std::optional<Located<Expression>>, 3> rest_rotation;
 };
