@@ -59,6 +59,8 @@ SlurmFarm::SlurmFarm(const fs::path& folder)
   write_text(m_folder / "munge.key", key);
   fs::permissions(m_folder / "munge.key", fs::perms::owner_read | fs::perms::owner_write);
   write_configuration();
+  // Left to find out by itself, slurmd does not start where no cgroups are mounted; this farm uses none.
+  write_text(m_folder / "cgroup.conf", "CgroupPlugin=cgroup/v1\n");
   const std::string f = m_folder.string();
   setenv("SLURM_CONF", (f + "/slurm.conf").c_str(), 1);
   if (!shell("munged --force --num-threads=2 --key-file=" + f + "/munge.key --socket=" + f +
