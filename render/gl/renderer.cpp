@@ -463,7 +463,7 @@ Result<DataLayers> Renderer::draw_data(const Frame& frame, const Picture& pictur
       layers.distance[to] = static_cast<float>(camera->near_distance) / depth[from];
       layers.normal[to] = decoded_normal(surface[2 * from + 1]);
       layers.velocity[to] = {data[4 * from], data[4 * from + 1], data[4 * from + 2]};
-      layers.body[to] = static_cast<std::uint32_t>(data[4 * from + 3] + 0.5f);
+      layers.body[to] = static_cast<std::uint32_t>(std::lround(data[4 * from + 3]));
     }
   }
   return layers;

@@ -30,6 +30,11 @@ void describe_grains(const GlFunctions& gl, const GlObject& array, const GlObjec
     attribute(gl, array.name(), index, 0);
 }
 
+/// OpenGL takes the place of the first index within its buffer [indices] as a pointer.
+const void* index_offset(std::size_t first) {
+  return reinterpret_cast<const void*>(first * sizeof(std::uint32_t)); // NOLINT(performance-no-int-to-ptr)
+}
+
 constexpr GLuint VELOCITY = 5;
 constexpr GLuint UV = 6;
 constexpr GLuint GRAIN_DATA = 7;
@@ -137,8 +142,7 @@ void Geometry::draw() const {
 
 void Geometry::draw_clear() const {
   m_gl.BindVertexArray(m_array.name());
-  m_gl.DrawElements(GL_TRIANGLES, m_clear_count, GL_UNSIGNED_INT,
-                    reinterpret_cast<const void*>(static_cast<std::uintptr_t>(m_count) * sizeof(std::uint32_t)));
+  m_gl.DrawElements(GL_TRIANGLES, m_clear_count, GL_UNSIGNED_INT, index_offset(static_cast<std::size_t>(m_count)));
 }
 
 void Geometry::draw_textured(const std::function<void(GLuint)>& bind) const {
@@ -147,8 +151,7 @@ void Geometry::draw_textured(const std::function<void(GLuint)>& bind) const {
     if (begin >= end)
       return;
     bind(texture);
-    m_gl.DrawElements(GL_TRIANGLES, static_cast<GLsizei>(end - begin), GL_UNSIGNED_INT,
-                      reinterpret_cast<const void*>(static_cast<std::uintptr_t>(begin) * sizeof(std::uint32_t)));
+    m_gl.DrawElements(GL_TRIANGLES, static_cast<GLsizei>(end - begin), GL_UNSIGNED_INT, index_offset(begin));
   };
   std::uint32_t done = 0;
   for (const TexturedRange& range : m_ranges) {
