@@ -51,7 +51,7 @@ void add_summary(const ShotSession& session, const ScenePlan& plan, HtmlPage& pa
           continue;
         }
         for (const auto& [part, of_part] : value.items())
-          rows.emplace_back(key + " " + part, value_text(of_part));
+          rows.emplace_back(fmt::format("{} {}", key, part), value_text(of_part));
       }
     }
   }
