@@ -12,8 +12,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int KEPT_LAST = 2;
-
 std::string file_name(int frame) {
   return fmt::format("{:04}.h5", frame);
 }
@@ -62,9 +60,9 @@ Status CheckpointStore::write(const StateArchive& state, int frame, double time)
 Status CheckpointStore::prune() {
   const std::vector<ManifestEntry> entries = m_folder.manifest().entries();
   int seen = 0;
-  // Entries stand in the order of writing: the last two are those written last, not those with the highest frames.
+  // Entries stand in the order of writing: the last ones are those written last, not those with the highest frames.
   for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
-    if (entry->key == m_settings.key && ++seen <= KEPT_LAST)
+    if (entry->key == m_settings.key && ++seen <= m_settings.keep_last)
       continue;
     if (m_settings.keep_every > 0 && frame_of(*entry) % m_settings.keep_every == 0)
       continue;

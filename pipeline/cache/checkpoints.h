@@ -24,6 +24,7 @@ public:
     std::string key;    ///< of the inputs, one word
     int keep_every = 0; ///< frames whose number is a multiple of it are kept for good; 0: none
     FaultHook faults;   ///< tests only
+    int keep_last = 2;  ///< of those written last with this key; at least 1
   };
 
   /// A checkpoint, if there is one, and what had to be passed over to get to it.
@@ -36,8 +37,8 @@ public:
   /// Errors: cannot_write, io; bad_input without a key.
   static Result<CheckpointStore> open(const std::filesystem::path& folder, Settings settings);
 
-  /// Writes one and then removes those no longer kept: all but the last two written with this key and every
-  /// `keep_every`th. Errors: cannot_write, io, bad_input, out_of_memory; older checkpoints are then still there.
+  /// Writes one and then removes those no longer kept: all but the `keep_last` written last with this key and
+  /// every `keep_every`th. Errors: cannot_write, io, bad_input, out_of_memory; older checkpoints are then still there.
   Status write(const StateArchive& state, int frame, double time);
 
   /// The latest whole checkpoint at or before `frame`; a damaged one is passed over with a warning. Errors:

@@ -9,6 +9,7 @@
 #include "pipeline/measure/pile_measures.h"
 #include "sim/geometry/closest_point_tree.h"
 #include "sim/scene/collider_field.h"
+#include "sim/scene/distance_bounds.h"
 
 namespace wry::pipeline {
 
@@ -31,13 +32,14 @@ const FrameBody* grains_of(const MeasurePlan& plan, const SceneStatic& scene, co
 
 struct DrawnColliders::Surface {
   std::shared_ptr<const scene::Collider> collider;
-  std::unique_ptr<geometry::ClosestPointTree> tree; ///< of closed meshes
-  std::optional<scene::ColliderField> field;        ///< of shapes that are exact by formula
+  std::unique_ptr<geometry::ClosestPointTree> tree;          ///< of closed meshes
+  std::unique_ptr<const scene::DistanceBounds> lower_bounds; ///< of the distance to `tree`
+  std::optional<scene::ColliderField> field;                 ///< of shapes that are exact by formula
   scene::ObstacleBounds bounds;
 
   double distance(const Vec3& at_rest, double reach) const {
     const Vec3 beyond = (bounds.low - at_rest).cwiseMax(at_rest - bounds.high);
-    if (beyond.maxCoeff() > reach)
+    if (beyond.maxCoeff() > reach || (lower_bounds && lower_bounds->at(at_rest) > reach))
       return FAR;
     return tree ? tree->signed_distance(at_rest) : field->distance({}, at_rest);
   }
@@ -49,7 +51,14 @@ DrawnColliders::DrawnColliders(std::vector<std::shared_ptr<const scene::Collider
     surface->bounds = scene::obstacle_bounds(collider->shape);
     const auto* mesh = std::get_if<scene::MeshObstacle>(&collider->shape);
     if (mesh != nullptr && mesh->closed) {
+      constexpr double CUBES_ALONG_DIAGONAL = 150.0;
       surface->tree = std::make_unique<geometry::ClosestPointTree>(*mesh->mesh);
+      const scene::ObstacleBounds& box = surface->bounds;
+      surface->lower_bounds = std::make_unique<const scene::DistanceBounds>(
+          box.low, box.high, (box.high - box.low).norm() / CUBES_ALONG_DIAGONAL,
+          [tree = surface->tree.get()](const Vec3& centre, double radius) {
+            return tree->signed_distance(centre) - radius;
+          });
     } else {
       Result<scene::ColliderField> field = scene::ColliderField::create(collider, {});
       if (!field)

@@ -17,6 +17,7 @@
 #include "pipeline/plan/compile_region.h"
 #include "pipeline/plan/element_warnings.h"
 #include "pipeline/plan/microrotations.h"
+#include "pipeline/plan/cost.h"
 #include "pipeline/plan/plan_lines.h"
 #include "pipeline/plan/shared_mesh.h"
 #include "shots/resolved.h"
@@ -55,7 +56,7 @@ public:
         m_plan.sim.fem.outputs.curvature_energy = true;
     }
     m_plan.simulation_key = simulation_key();
-    m_plan.cost = estimate_cost(m_plan);
+    m_plan.cost = estimate_cost(m_shot, m_plan);
     describe_plan(m_shot, m_plan);
     return std::move(m_plan);
   }

@@ -1,12 +1,8 @@
 #include "pipeline/plan/plan_lines.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
-
-#include "sim/fem/fem_simulation.h"
-#include "sim/mpm/mpm_simulation.h"
 
 namespace wry::pipeline {
 
@@ -49,20 +45,6 @@ bool any_body(const ScenePlan& plan, bool (*holds)(const fem::FemMaterial&)) {
                      [&](const fem::FemBody& body) { return holds(body.material); });
 }
 
-// Measured on a core with AVX2 (bench_fem_solver, shots/bunny.toml): evaluation and assembly of one Newton iteration
-// per tet, and how many iterations a step takes. What its linear system costs is the choice of the solver's to say.
-constexpr double CLASSIC_SECONDS_PER_TET = 0.2e-6;
-constexpr double MICROPOLAR_SECONDS_PER_TET = 0.6e-6;
-constexpr double CURVATURE_SECONDS_PER_TET = 0.7e-6; // beside the former
-constexpr double NEWTON_PER_STEP = 3.0;
-constexpr double NEWTON_PER_STEP_IN_CONTACT = 20.0; // with both passes of friction
-// Element data, two matrices and the vectors, per tet.
-constexpr std::uint64_t CLASSIC_BYTES_PER_TET = 1200;
-constexpr std::uint64_t MICROPOLAR_BYTES_PER_TET = 4500;
-// A step of one particle on one core with AVX2, and what sorting and the grid take of memory besides its channels.
-constexpr double MPM_SECONDS_PER_PARTICLE_STEP = 1.5e-7;
-constexpr std::uint64_t MPM_BYTES_PER_PARTICLE_BESIDES = 250;
-
 /// Which methods run, and that nothing couples them.
 void describe_methods(ScenePlan& plan) {
   const mpm::MpmPlan& mpm = plan.sim.mpm;
@@ -99,40 +81,6 @@ void describe_methods(ScenePlan& plan) {
   else
     plan.left_out.push_back(
         {"coupling", "solids and particles do not feel each other; they share colliders and frames"});
-}
-
-/// Steps as long as the stiffest material allows at rest.
-void add_cost_of_particles(const ScenePlan& plan, CostEstimate& cost) {
-  const mpm::MpmPlan& mpm = plan.sim.mpm;
-  if (mpm.bodies.empty())
-    return;
-  mpm::StepFacts facts;
-  facts.cell = mpm.settings.cell;
-  facts.courant = mpm.settings.courant;
-  facts.max_deformation = mpm.settings.max_deformation;
-  facts.gravity = mpm.gravity.norm();
-  if (mpm.settings.semi_implicit)
-    facts.wave_courant = mpm.settings.semi_implicit->courant;
-  double particles = 0.0;
-  for (std::size_t i = 0; i < mpm.bodies.size(); ++i) {
-    const mpm::MpmBody& body = mpm.bodies[i];
-    const BodyReport& report = plan.bodies[plan.sim.fem.bodies.size() + i];
-    const Result<mpm::CompiledMaterial> material = mpm::compile_material(body.material);
-    facts.sound_speed = std::max(facts.sound_speed, material ? material->sound_speed : 0.0);
-    facts.speed = std::max(facts.speed, body.initial_velocity.norm());
-    particles += static_cast<double>(report.particles);
-    cost.memory_bytes += report.particles * (2 * report.bytes_per_particle + MPM_BYTES_PER_PARTICLE_BESIDES);
-    cost.bytes_per_frame += report.particles * (24 + 12 + 4);
-    const std::uint64_t scalar = mpm.settings.precision == mpm::Precision::f32 ? 4 : 8;
-    cost.bytes_per_checkpoint += report.particles * report.bytes_per_particle * (8 / scalar);
-  }
-  const mpm::StepBound bound = mpm::stable_step(facts);
-  const double dt = mpm.settings.time_step ? std::min(*mpm.settings.time_step, bound.dt) : bound.dt;
-  const double steps = std::ceil(plan.sim.time_of(plan.sim.last_frame) / dt);
-  const double seconds = cost.steps * cost.seconds_per_step + steps * particles * MPM_SECONDS_PER_PARTICLE_STEP;
-  cost.steps = std::max(cost.steps, steps);
-  cost.time_step = cost.time_step > 0.0 ? std::min(cost.time_step, dt) : dt;
-  cost.seconds_per_step = cost.steps > 0.0 ? seconds / cost.steps : 0.0;
 }
 
 void describe_solids(ScenePlan& plan) {
@@ -235,48 +183,6 @@ void describe_plan(const shots::Shot& shot, ScenePlan& plan) {
     views += (views.empty() ? "" : ", ") + view->name;
   plan.runs.push_back(
       {"pictures", fmt::format("{} frames, views {}, {} sub-frames", plan.frames.size(), views, *shot.render.samples)});
-}
-
-CostEstimate estimate_cost(const ScenePlan& plan) {
-  CostEstimate cost;
-  double seconds_per_iteration = 0.0;
-  for (std::size_t i = 0; i < plan.sim.fem.bodies.size(); ++i) {
-    const BodyReport& body = plan.bodies[i];
-    const bool micropolar = fem::is_micropolar(plan.sim.fem.bodies[i].material.model);
-    cost.memory_bytes += body.tets * (micropolar ? MICROPOLAR_BYTES_PER_TET : CLASSIC_BYTES_PER_TET);
-    cost.bytes_per_frame += body.nodes * (micropolar ? 64 : 36) + body.tets * 4;
-    cost.bytes_per_checkpoint += body.nodes * (micropolar ? 128 : 48) + (micropolar ? body.tets * 128 : 0);
-    const bool curved = plan.sim.fem.bodies[i].material.curvature != fem::CurvatureModel::none;
-    seconds_per_iteration +=
-        static_cast<double>(body.tets) * ((micropolar ? MICROPOLAR_SECONDS_PER_TET : CLASSIC_SECONDS_PER_TET) +
-                                          (curved ? CURVATURE_SECONDS_PER_TET : 0.0));
-  }
-  const fem::FemPlan& fem = plan.sim.fem;
-  const bool touches = fem.contact || !fem.planes.empty() || !fem.obstacles.empty();
-  const double per_step = (touches ? NEWTON_PER_STEP_IN_CONTACT : NEWTON_PER_STEP) *
-                          (fem.settings.integrator == fem::Integrator::sdirk2 ? 2.0 : 1.0);
-  cost.seconds_per_step = per_step * seconds_per_iteration;
-  if (!plan.sim.fem.bodies.empty()) {
-    cost.time_step = plan.sim.fem.settings.max_time_step;
-    cost.steps = plan.sim.time_of(plan.sim.last_frame) / cost.time_step;
-    cost.newton_directions = per_step * cost.steps;
-  }
-  add_cost_of_particles(plan, cost);
-  return cost;
-}
-
-Status describe_solver(ScenePlan& plan, Isa isa, int threads) {
-  if (plan.sim.fem.bodies.empty())
-    return {};
-  const Result<std::unique_ptr<fem::FemSimulation>> simulation = fem::FemSimulation::create(plan.sim.fem, threads, isa);
-  if (!simulation)
-    return simulation.error();
-  const fem::SolverChoice choice = (*simulation)->solver_choice();
-  plan.runs.push_back({"linear solver", choice.reason});
-  if (plan.cost.steps > 0.0)
-    plan.cost.seconds_per_step += plan.cost.newton_directions * choice.seconds_per_direction / plan.cost.steps;
-  plan.cost.memory_bytes = std::max<std::uint64_t>(plan.cost.memory_bytes, (*simulation)->memory_bytes());
-  return {};
 }
 
 } // namespace wry::pipeline

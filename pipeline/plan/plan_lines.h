@@ -15,11 +15,4 @@ std::string describe_elements(const fem::FemBody& body);
 /// Fills plan.runs, plan.left_out and plan.warnings.
 void describe_plan(const shots::Shot& shot, ScenePlan& plan);
 
-/// Memory, disk and time from the sizes of the meshes, by measured rates.
-CostEstimate estimate_cost(const ScenePlan& plan);
-
-/// Builds the solver once to learn which linear solver it takes, why, and how much memory. Adds that to the plan.
-/// Errors: those of FemSimulation::create.
-Status describe_solver(ScenePlan& plan, Isa isa, int threads);
-
 } // namespace wry::pipeline

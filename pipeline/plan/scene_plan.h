@@ -42,14 +42,16 @@ struct CostEstimate {
   std::uint64_t memory_bytes = 0;    ///< the simulation at its largest
   std::uint64_t bytes_per_frame = 0; ///< of the frame cache
   std::uint64_t bytes_per_checkpoint = 0;
+  double checkpoints_kept = 0.0;
   double seconds_per_step = 0.0;
   double newton_directions = 0.0; ///< linear systems of the whole shot
   double steps = 0.0;             ///< of the whole shot
   double time_step = 0.0;         ///< the shorter of both methods' [s]
 
-  /// Frames, and the checkpoints that are there at a time.
+  /// Frames, and the checkpoints that are there at the end.
   std::uint64_t disk_bytes(double frame_count) const {
-    return static_cast<std::uint64_t>(frame_count * static_cast<double>(bytes_per_frame)) + 3 * bytes_per_checkpoint;
+    return static_cast<std::uint64_t>(frame_count * static_cast<double>(bytes_per_frame) +
+                                      checkpoints_kept * static_cast<double>(bytes_per_checkpoint));
   }
 };
 

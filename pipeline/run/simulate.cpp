@@ -320,8 +320,11 @@ Result<SimulateOutcome> simulate(const shots::Shot& shot, const ScenePlan& plan,
   Result<FrameCache> cache = FrameCache::open_to_write(options.out / "frames", {plan.simulation_key, {}, {}});
   if (!cache)
     return cache.error();
-  Result<CheckpointStore> checkpoints = CheckpointStore::open(
-      options.out / "checkpoints", {plan.simulation_key, static_cast<int>(*shot.fem.checkpoint_every), {}});
+  Result<CheckpointStore> checkpoints =
+      CheckpointStore::open(options.out / "checkpoints", {.key = plan.simulation_key,
+                                                          .keep_every = static_cast<int>(*shot.fem.checkpoint_every),
+                                                          .faults = {},
+                                                          .keep_last = static_cast<int>(*shot.fem.keep)});
   if (!checkpoints)
     return checkpoints.error();
   if (Status status = drop_damaged_frames(*cache, options.out / "frames"); !status)

@@ -6,6 +6,7 @@
 
 #include "sim/geometry/closest_point_tree.h"
 #include "sim/geometry/signed_distance.h"
+#include "sim/scene/distance_bounds.h"
 
 namespace wry::scene {
 
@@ -109,6 +110,16 @@ MadeShape make_shape(const CylinderObstacle& cylinder, const ColliderFieldSettin
   });
 }
 
+/// Where a mesh's cheap bounds of its distance are known: a little beyond what a grid's nodes and particles may touch.
+std::unique_ptr<const DistanceBounds> bounds_around(const geometry::SurfaceMesh& mesh, double cube,
+                                                    DistanceBounds::Bound bound) {
+  constexpr double AROUND = 8.0; // cubes
+  const Vec3 margin = Vec3::Constant(AROUND * cube);
+  return std::make_unique<const DistanceBounds>(mesh.vertices.colwise().minCoeff().transpose() - margin,
+                                                mesh.vertices.colwise().maxCoeff().transpose() + margin, cube,
+                                                std::move(bound));
+}
+
 /// The inside of a closed mesh.
 struct Solid final : ColliderField::Shape {
   explicit Solid(geometry::SignedDistance field_)
@@ -181,13 +192,20 @@ ThinFaces thin_faces(const geometry::SurfaceMesh& mesh, double least) {
 
 /// A closed mesh of which some is too thin to be felt: a level set for what is not, and the thin faces as sheets.
 struct PartlyThin final : ColliderField::Shape {
-  PartlyThin(std::shared_ptr<const ColliderField::Shape> solid_, const ThinFaces& thin, double least_)
+  PartlyThin(std::shared_ptr<const ColliderField::Shape> solid_, const geometry::SurfaceMesh& whole,
+             const ThinFaces& thin, const ColliderFieldSettings& settings)
       : solid(std::move(solid_))
       , tree(thin.mesh)
       , growth(thin.growth)
       , most_growth(*std::max_element(growth.begin(), growth.end()))
-      , least(least_) {}
+      , least(settings.least_solid)
+      , bounds(bounds_around(whole, settings.voxel,
+                             [this](const Vec3& centre, double radius) { return lower_bound(centre, radius); })) {}
   double distance(const Vec3& point, double reach) const override {
+    if (std::isfinite(reach)) {
+      if (const double bound = bounds->at(point); bound >= reach)
+        return bound;
+    }
     const double to_solid = distance_to_solid(point);
     // No face is nearer than the surface that it is part of: away from it, a lower bound of the distance is enough.
     if (to_solid > 2.0 * least && solid)
@@ -211,6 +229,14 @@ struct PartlyThin final : ColliderField::Shape {
   }
 
 private:
+  double lower_bound(const Vec3& centre, double radius) const {
+    // What is sampled changes along each axis by no more than the distance does, so by sqrt(3) as much along a
+    // diagonal.
+    const double to_solid = distance_to_solid(centre) - std::sqrt(3.0) * radius;
+    const double seen = 8.0 * radius;
+    const geometry::ClosestPoint closest = tree.closest_within(centre, seen + most_growth);
+    return std::min(to_solid, (closest.triangle < 0 ? seen : closest.distance - most_growth) - radius);
+  }
   double distance_to_solid(const Vec3& point) const {
     return solid ? solid->distance(point, std::numeric_limits<double>::infinity())
                  : std::numeric_limits<double>::infinity();
@@ -220,6 +246,7 @@ private:
   std::vector<double> growth;
   double most_growth; ///< no face reaches further [m]
   double least;
+  std::unique_ptr<const DistanceBounds> bounds;
 };
 
 MadeShape make_exact_solid(const MeshObstacle& mesh) {
@@ -247,15 +274,27 @@ MadeShape make_solid(const MeshObstacle& mesh, const ColliderFieldSettings& sett
   if (thin.growth.empty())
     return solid;
   return std::shared_ptr<const ColliderField::Shape>(
-      std::make_shared<PartlyThin>(std::move(solid), thin, settings.least_solid));
+      std::make_shared<PartlyThin>(std::move(solid), *mesh.mesh, thin, settings));
 }
 
 /// An open mesh with half its thickness on both sides.
 struct Sheet final : ColliderField::Shape {
-  Sheet(const geometry::SurfaceMesh& mesh, double half_)
+  Sheet(const geometry::SurfaceMesh& mesh, double half_, double cube)
       : tree(mesh)
-      , half(half_) {}
+      , half(half_) {
+    if (cube > 0.0)
+      bounds = bounds_around(mesh, cube, [this](const Vec3& centre, double radius) {
+        return distance_from(centre, 8.0 * radius) - radius;
+      });
+  }
   double distance(const Vec3& point, double reach) const override {
+    if (bounds && std::isfinite(reach)) {
+      if (const double bound = bounds->at(point); bound >= reach)
+        return bound;
+    }
+    return distance_from(point, reach);
+  }
+  double distance_from(const Vec3& point, double reach) const {
     const geometry::ClosestPoint closest = tree.closest_within(point, reach + half);
     return closest.triangle < 0 ? reach : closest.distance - half;
   }
@@ -267,11 +306,12 @@ struct Sheet final : ColliderField::Shape {
   }
   geometry::ClosestPointTree tree;
   double half;
+  std::unique_ptr<const DistanceBounds> bounds; ///< null: the exact distance is wanted, and not often
 };
 
 MadeShape make_sheet(const MeshObstacle& mesh, const ColliderFieldSettings& settings) {
   const double half = 0.5 * std::max(mesh.thickness, settings.least_wall);
-  return std::shared_ptr<const ColliderField::Shape>(std::make_shared<Sheet>(*mesh.mesh, half));
+  return std::shared_ptr<const ColliderField::Shape>(std::make_shared<Sheet>(*mesh.mesh, half, settings.voxel));
 }
 
 MadeShape make_shape(const MeshObstacle& mesh, const ColliderFieldSettings& settings) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <random>
@@ -135,6 +136,17 @@ TEST_F(Run, ADamagedFrameIsNoticedAndMadeAgain) {
   ASSERT_EQ(simulate("a").exit_code, 0);
   EXPECT_EQ(frame_hashes(out("a")), whole);
   EXPECT_EQ(run_wry({"check", out("a").string()}, m_folder.path()).exit_code, 0);
+}
+
+TEST_F(Run, KeepsAsManyCheckpointsAsTheShotAsksFor) {
+  const auto kept = [&](const std::string& name) {
+    return std::count_if(fs::directory_iterator(out(name) / "checkpoints"), fs::directory_iterator(),
+                         [](const fs::directory_entry& file) { return file.path().extension() == ".h5"; });
+  };
+  ASSERT_EQ(simulate("one", {"--set", "fem.keep=1", "--set", "fem.checkpoint_every=0"}).exit_code, 0);
+  EXPECT_EQ(kept("one"), 1);
+  ASSERT_EQ(simulate("more", {"--set", "fem.keep=3", "--set", "fem.checkpoint_every=4"}).exit_code, 0);
+  EXPECT_EQ(kept("more"), 4) << "7, 8 and 9, and 4";
 }
 
 TEST_F(Run, OnlyOneOfTwoRunsGetsTheFolder) {

@@ -40,5 +40,50 @@ TEST(Collider, AClosedMeshIsSolidThroughItsLevelSet) {
   EXPECT_GT(far.normal.x(), 0.9);
 }
 
+// A slab thinner than a voxel can see, as a truck's bed has them, and an open sheet: both keep cheap lower bounds.
+void expect_the_same_decisions(const MeshObstacle& mesh) {
+  auto collider = std::make_shared<Collider>();
+  collider->shape = mesh;
+  ColliderFieldSettings settings;
+  settings.voxel = 0.02;
+  settings.least_wall = settings.least_solid = 0.05;
+  const Result<ColliderField> field = ColliderField::create(collider, settings);
+  ASSERT_TRUE(field) << field.error().message;
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> place(-0.8, 0.8), near(-0.1, 0.1);
+  int answered_within = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 point(place(random), i % 2 == 0 ? near(random) : place(random), place(random));
+    const double exact = field->distance({}, point);
+    for (const double reach : {0.0, 0.02, 0.06}) {
+      const double answer = field->distance({}, point, reach);
+      if (exact < reach) {
+        ++answered_within;
+        EXPECT_EQ(answer, exact) << point.transpose() << " within " << reach;
+      } else {
+        EXPECT_GE(answer, reach) << point.transpose();
+        EXPECT_LE(answer, std::max(exact, reach)) << point.transpose() << ": a lower bound";
+      }
+    }
+  }
+  EXPECT_GT(answered_within, 500);
+}
+
+TEST(Collider, AReachChangesNoAnswerWithinItForThinMeshes) {
+  const Result<geometry::SurfaceMesh> slab =
+      geometry::make_block_surface(geometry::box_block(Vec3(1.0, 0.008, 1.0)), 0.2);
+  ASSERT_TRUE(slab);
+  expect_the_same_decisions({std::make_shared<geometry::SurfaceMesh>(*slab), true, 0.0});
+}
+
+TEST(Collider, AReachChangesNoAnswerWithinItForSheets) {
+  geometry::SurfaceMesh sheet;
+  sheet.vertices.resize(4, 3);
+  sheet.vertices << -0.5, 0, -0.5, 0.5, 0.1, -0.5, 0.5, 0, 0.5, -0.5, 0.1, 0.5;
+  sheet.triangles.resize(2, 3);
+  sheet.triangles << 0, 2, 1, 0, 3, 2;
+  expect_the_same_decisions({std::make_shared<geometry::SurfaceMesh>(sheet), false, 0.01});
+}
+
 } // namespace
 } // namespace wry::scene

@@ -2,7 +2,7 @@
 
 #include "pipeline/cli/shot_session.h"
 #include "pipeline/cli/verb.h"
-#include "pipeline/plan/plan_lines.h"
+#include "pipeline/plan/cost.h"
 #include "pipeline/plan/plan_report.h"
 
 namespace wry::pipeline {

@@ -16,9 +16,12 @@ constexpr double DOUBLE_ENTRIES_PER_SECOND = 3e9;
 constexpr double SINGLE_ENTRIES_PER_SECOND = 7e9;
 constexpr double VECTOR_UNKNOWNS_PER_SECOND = 1e9;
 
-/// Block-Jacobi iterations that one Newton direction (relative residual about 1e-3) takes.
+/// Block-Jacobi iterations that one Newton direction (relative residual about 1e-3) takes. Per edge that a turn reaches
+/// sheet, plate and bunny take 3.1 to 3.6; per edge that a wave crosses twisted bars and rods take 5 to 16.
 double expected_iterations(const SolverDemand& demand) {
-  return 6.0 + 9.0 * std::min(std::max(demand.wave_crossing, demand.rotation_reach), 1.5 * demand.longest_path);
+  constexpr double PER_EDGE_OF_A_WAVE = 9.0, PER_EDGE_OF_A_TURN = 3.3;
+  const double asked = std::max(PER_EDGE_OF_A_WAVE * demand.wave_crossing, PER_EDGE_OF_A_TURN * demand.rotation_reach);
+  return 6.0 + std::min(asked, PER_EDGE_OF_A_WAVE * 1.5 * demand.longest_path);
 }
 
 constexpr double STALE_ITERATIONS = 5.0;

@@ -1,0 +1,177 @@
+#include "pipeline/plan/cost.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "sim/fem/fem_simulation.h"
+#include "sim/mpm/mpm_simulation.h"
+
+namespace wry::pipeline {
+
+namespace {
+
+// Measured on a core with AVX2 (bench_fem_solver, shots/bunny.toml): evaluation and assembly of one Newton iteration
+// per tet, and how many iterations a step takes. What its linear system costs is the choice of the solver's to say.
+constexpr double CLASSIC_SECONDS_PER_TET = 0.2e-6;
+constexpr double MICROPOLAR_SECONDS_PER_TET = 0.6e-6;
+constexpr double CURVATURE_SECONDS_PER_TET = 0.7e-6; // beside the former
+constexpr double NEWTON_PER_STEP = 3.0;
+constexpr double NEWTON_PER_STEP_IN_CONTACT = 20.0; // with both passes of friction
+// Element data, two matrices and the vectors, per tet.
+constexpr std::uint64_t CLASSIC_BYTES_PER_TET = 1200;
+constexpr std::uint64_t MICROPOLAR_BYTES_PER_TET = 4500;
+// What sorting and the grid take of memory besides the channels of a particle.
+constexpr std::uint64_t MPM_BYTES_PER_PARTICLE_BESIDES = 250;
+// A step of one particle in single precision (bench_mpm_table1), and what it takes more.
+constexpr double MPM_SECONDS_PER_PARTICLE_STEP = 1.4e-7;
+constexpr double DOUBLE_PRECISION = 2.0, OWN_AXES = 1.3, REORIENTING = 1.3, NEAR_MESHES = 1.6;
+// One update of one grain, and that of one that meets meshes as they are drawn.
+constexpr double SECONDS_PER_GRAIN = 1.6e-7, SECONDS_PER_GRAIN_NEAR_MESHES = 3e-7;
+// A frame or checkpoint is checked, compressed by nothing, written and read again by measures.
+constexpr double SECONDS_PER_BYTE_WRITTEN = 1e-8;
+constexpr std::uint64_t FRAME_BYTES_PER_BODY = 4000; // what HDF5 writes besides values
+constexpr std::uint64_t BYTES_PER_GRAIN = 68;
+
+bool meets_meshes(const mpm::MpmPlan& plan) {
+  return std::any_of(plan.colliders.begin(), plan.colliders.end(),
+                     [](const auto& collider) { return std::holds_alternative<scene::MeshObstacle>(collider->shape); });
+}
+
+std::uint64_t frame_bytes_of_solid(const fem::FemPlan& plan, const fem::FemBody& body, const BodyReport& report) {
+  const bool micropolar = fem::is_micropolar(body.material.model);
+  std::uint64_t per_node = 24 + 12, per_tet = 4; // position, velocity; energy density
+  if (micropolar)
+    per_node += (plan.outputs.point_rotations ? 32 : 16) + 12; // microrotation, angular velocity
+  if (micropolar && plan.outputs.point_rotations)
+    per_tet += 128;
+  if (plan.outputs.reactions)
+    per_node += 48;
+  if (plan.outputs.curvature_energy)
+    per_tet += 4;
+  return FRAME_BYTES_PER_BODY + report.nodes * per_node + report.tets * per_tet;
+}
+
+/// How fast matter that falls through its own height gets.
+double speed_of_fall(const mpm::MpmPlan& plan, const BodyReport& report) {
+  const double gravity = plan.gravity.norm();
+  const double height = gravity > 0.0 ? report.size.dot(plan.gravity.cwiseAbs()) / gravity : 0.0;
+  return std::sqrt(2.0 * gravity * height);
+}
+
+/// What a body of particles adds; returns the seconds of one step of it.
+double add_body_of_particles(const mpm::MpmPlan& mpm, const mpm::MpmBody& body, const BodyReport& report, double dt,
+                             CostEstimate& cost) {
+  const bool double_precision = mpm.settings.precision == mpm::Precision::f64;
+  const Result<mpm::CompiledMaterial> material = mpm::compile_material(body.material);
+  const auto carries = [&](mpm::Channel channel) {
+    return material &&
+           std::find(material->channels.begin(), material->channels.end(), channel) != material->channels.end();
+  };
+  const bool own_axes = carries(mpm::Channel::frame);
+  const bool near_meshes = meets_meshes(mpm);
+  cost.memory_bytes += report.particles * (2 * report.bytes_per_particle + MPM_BYTES_PER_PARTICLE_BESIDES);
+  cost.bytes_per_frame += FRAME_BYTES_PER_BODY + report.particles * (24 + 12 + 4 + (own_axes ? 16 : 0) +
+                                                                     (body.material.reorientation ? 24 : 0));
+  cost.bytes_per_checkpoint += report.particles * report.bytes_per_particle * (double_precision ? 1 : 2);
+  double per_particle = MPM_SECONDS_PER_PARTICLE_STEP * (double_precision ? DOUBLE_PRECISION : 1.0) *
+                        (own_axes ? OWN_AXES : 1.0) * (body.material.reorientation ? REORIENTING : 1.0) *
+                        (near_meshes ? NEAR_MESHES : 1.0);
+  if (body.sub_particles) {
+    const auto per_body = static_cast<std::uint64_t>(body.sub_particles->per_particle);
+    const double travel = body.sub_particles->travel * mpm.settings.cell;
+    const double going = dt * std::max(speed_of_fall(mpm, report), body.initial_velocity.norm());
+    const double updates = travel > 0.0 ? std::clamp(going / travel, 0.02, 1.0) : 1.0;
+    per_particle +=
+        static_cast<double>(per_body) * updates * (near_meshes ? SECONDS_PER_GRAIN_NEAR_MESHES : SECONDS_PER_GRAIN);
+    cost.memory_bytes += report.particles * per_body * 200;
+    cost.bytes_per_frame += FRAME_BYTES_PER_BODY + report.particles * per_body * BYTES_PER_GRAIN;
+    cost.bytes_per_checkpoint += report.particles * per_body * 150;
+  }
+  return static_cast<double>(report.particles) * per_particle;
+}
+
+/// Steps as long as the stiffest material allows at rest.
+void add_cost_of_particles(const ScenePlan& plan, CostEstimate& cost) {
+  const mpm::MpmPlan& mpm = plan.sim.mpm;
+  if (mpm.bodies.empty())
+    return;
+  mpm::StepFacts facts;
+  facts.cell = mpm.settings.cell;
+  facts.courant = mpm.settings.courant;
+  facts.max_deformation = mpm.settings.max_deformation;
+  facts.gravity = mpm.gravity.norm();
+  if (mpm.settings.semi_implicit)
+    facts.wave_courant = mpm.settings.semi_implicit->courant;
+  for (const mpm::MpmBody& body : mpm.bodies) {
+    const Result<mpm::CompiledMaterial> material = mpm::compile_material(body.material);
+    facts.sound_speed = std::max(facts.sound_speed, material ? material->sound_speed : 0.0);
+    facts.speed = std::max(facts.speed, body.initial_velocity.norm());
+  }
+  const mpm::StepBound bound = mpm::stable_step(facts);
+  const double dt = mpm.settings.time_step ? std::min(*mpm.settings.time_step, bound.dt) : bound.dt;
+  const double steps = std::ceil(plan.sim.time_of(plan.sim.last_frame) / dt);
+  double seconds = cost.steps * cost.seconds_per_step;
+  for (std::size_t i = 0; i < mpm.bodies.size(); ++i)
+    seconds += steps * add_body_of_particles(mpm, mpm.bodies[i], plan.bodies[plan.sim.fem.bodies.size() + i], dt, cost);
+  cost.steps = std::max(cost.steps, steps);
+  cost.time_step = cost.time_step > 0.0 ? std::min(cost.time_step, dt) : dt;
+  cost.seconds_per_step = cost.steps > 0.0 ? seconds / cost.steps : 0.0;
+}
+
+void add_cost_of_solids(const ScenePlan& plan, CostEstimate& cost) {
+  const fem::FemPlan& fem = plan.sim.fem;
+  if (fem.bodies.empty())
+    return;
+  double seconds_per_iteration = 0.0;
+  for (std::size_t i = 0; i < fem.bodies.size(); ++i) {
+    const BodyReport& body = plan.bodies[i];
+    const bool micropolar = fem::is_micropolar(fem.bodies[i].material.model);
+    cost.memory_bytes += body.tets * (micropolar ? MICROPOLAR_BYTES_PER_TET : CLASSIC_BYTES_PER_TET);
+    cost.bytes_per_frame += frame_bytes_of_solid(fem, fem.bodies[i], body);
+    cost.bytes_per_checkpoint += body.nodes * (micropolar ? 128 : 48) + (micropolar ? body.tets * 128 : 0);
+    const bool curved = fem.bodies[i].material.curvature != fem::CurvatureModel::none;
+    seconds_per_iteration +=
+        static_cast<double>(body.tets) * ((micropolar ? MICROPOLAR_SECONDS_PER_TET : CLASSIC_SECONDS_PER_TET) +
+                                          (curved ? CURVATURE_SECONDS_PER_TET : 0.0));
+  }
+  const bool touches = fem.contact || !fem.planes.empty() || !fem.obstacles.empty();
+  const double per_step = (touches ? NEWTON_PER_STEP_IN_CONTACT : NEWTON_PER_STEP) *
+                          (fem.settings.integrator == fem::Integrator::sdirk2 ? 2.0 : 1.0);
+  cost.seconds_per_step = per_step * seconds_per_iteration;
+  cost.time_step = fem.settings.max_time_step;
+  cost.steps = plan.sim.time_of(plan.sim.last_frame) / cost.time_step;
+  cost.newton_directions = per_step * cost.steps;
+}
+
+} // namespace
+
+CostEstimate estimate_cost(const shots::Shot& shot, const ScenePlan& plan) {
+  CostEstimate cost;
+  add_cost_of_solids(plan, cost);
+  add_cost_of_particles(plan, cost);
+  const double frames = plan.sim.last_frame - plan.sim.first_frame + 1;
+  const double every = static_cast<double>(*shot.fem.checkpoint_every);
+  cost.checkpoints_kept = static_cast<double>(*shot.fem.keep) + (every > 0.0 ? std::floor(frames / every) : 0.0);
+  if (cost.steps > 0.0)
+    cost.seconds_per_step += SECONDS_PER_BYTE_WRITTEN * frames *
+                             static_cast<double>(cost.bytes_per_frame + cost.bytes_per_checkpoint) / cost.steps;
+  return cost;
+}
+
+Status describe_solver(ScenePlan& plan, Isa isa, int threads) {
+  if (plan.sim.fem.bodies.empty())
+    return {};
+  const Result<std::unique_ptr<fem::FemSimulation>> simulation = fem::FemSimulation::create(plan.sim.fem, threads, isa);
+  if (!simulation)
+    return simulation.error();
+  const fem::SolverChoice choice = (*simulation)->solver_choice();
+  plan.runs.push_back({"linear solver", choice.reason});
+  if (plan.cost.steps > 0.0)
+    plan.cost.seconds_per_step += plan.cost.newton_directions * choice.seconds_per_direction / plan.cost.steps;
+  plan.cost.memory_bytes = std::max<std::uint64_t>(plan.cost.memory_bytes, (*simulation)->memory_bytes());
+  return {};
+}
+
+} // namespace wry::pipeline

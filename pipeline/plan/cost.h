@@ -1,0 +1,15 @@
+#pragma once
+
+#include "pipeline/plan/scene_plan.h"
+
+namespace wry::pipeline {
+
+/// Memory, disk and time from the sizes of the meshes, by rates measured on one core with AVX2. What the linear systems
+/// cost is added by describe_solver.
+CostEstimate estimate_cost(const shots::Shot& shot, const ScenePlan& plan);
+
+/// Builds the solver once to learn which linear solver it takes, why, and how much memory. Adds that to the plan.
+/// Errors: those of FemSimulation::create.
+Status describe_solver(ScenePlan& plan, Isa isa, int threads);
+
+} // namespace wry::pipeline

@@ -1,0 +1,99 @@
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <sys/resource.h>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program_support.h"
+
+namespace wry::cli_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A shipped shot, simulated as far as is needed to judge what `wry plan` says of it.
+struct PredictedShot {
+  std::string name;
+  std::vector<std::string> sets;
+};
+
+void PrintTo(const PredictedShot& shot, std::ostream* stream) {
+  *stream << shot.name;
+}
+
+std::vector<PredictedShot> predicted_shots() {
+  std::vector<PredictedShot> shots;
+  for (const fs::directory_entry& file : fs::directory_iterator(std::string(WRY_SOURCE_DIR) + "/shots"))
+    if (file.path().extension() == ".toml")
+      shots.push_back({file.path().stem().string(), {}});
+  std::sort(shots.begin(), shots.end(), [](const PredictedShot& a, const PredictedShot& b) { return a.name < b.name; });
+  for (PredictedShot& shot : shots)
+    if (shot.name == "lotus_bowl") // its flowers have met each other after a second
+      shot.sets = {"shot.frames=\"1-37\""};
+  return shots;
+}
+
+double cpu_seconds_of_children() {
+  rusage usage{};
+  getrusage(RUSAGE_CHILDREN, &usage);
+  const auto seconds = [](const timeval& time) { return double(time.tv_sec) + 1e-6 * double(time.tv_usec); };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+double bytes_in(const fs::path& folder) {
+  double bytes = 0.0;
+  for (const fs::directory_entry& file : fs::recursive_directory_iterator(folder))
+    if (file.is_regular_file())
+      bytes += double(file.file_size());
+  return bytes;
+}
+
+class PredictionLong : public testing::TestWithParam<PredictedShot> {};
+
+/// Time is the CPU time of one thread: the constants of the prediction are those of the machine in the README, and a
+/// machine half or twice as fast as that fails here by right.
+TEST_P(PredictionLong, OfTimeAndDiskIsWithinAFactorOfTwo) {
+  const TemporaryFolder folder;
+  const std::string shot = std::string(WRY_SOURCE_DIR) + "/shots/" + GetParam().name + ".toml";
+  std::vector<std::string> sets;
+  for (const std::string& set : GetParam().sets)
+    sets.insert(sets.end(), {"--set", set});
+  std::vector<std::string> words = {"plan", shot, "--json"};
+  words.insert(words.end(), sets.begin(), sets.end());
+  const Outcome plan = run_wry(words, folder.path());
+  ASSERT_EQ(plan.exit_code, 0) << plan.err;
+  const nlohmann::json cost = nlohmann::json::parse(plan.out).at("cost");
+
+  words = {"simulate", shot, "--threads", "1", "--quiet", "--out", (folder.path() / "out").string()};
+  words.insert(words.end(), sets.begin(), sets.end());
+  const double before = cpu_seconds_of_children();
+  const Outcome run = run_wry(words, folder.path());
+  const double seconds = cpu_seconds_of_children() - before;
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+
+  const double predicted = cost.at("seconds").get<double>();
+  const double disk = bytes_in(folder.path() / "out");
+  const double predicted_disk = cost.at("disk_bytes").get<double>();
+  fmt::print("{:16} time {:8.1f} s, predicted {:8.1f} s: {:5.2f}   disk {:8.1f} MB, predicted {:8.1f} MB: {:5.2f}\n",
+             GetParam().name, seconds, predicted, predicted / seconds, 1e-6 * disk, 1e-6 * predicted_disk,
+             predicted_disk / disk);
+  // What a second or a megabyte decides is not worth predicting.
+  if (std::max(seconds, predicted) > 2.0) {
+    EXPECT_GT(predicted / seconds, 0.5);
+    EXPECT_LT(predicted / seconds, 2.0);
+  }
+  if (std::max(disk, predicted_disk) > 2e6) {
+    EXPECT_GT(predicted_disk / disk, 0.5);
+    EXPECT_LT(predicted_disk / disk, 2.0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shots, PredictionLong, testing::ValuesIn(predicted_shots()),
+                         [](const testing::TestParamInfo<PredictedShot>& shot) { return shot.param.name; });
+
+} // namespace
+} // namespace wry::cli_test
