@@ -21,6 +21,9 @@ endif()
 if(WRY_SANITIZE)
   add_compile_options(-fsanitize=${WRY_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
   add_link_options(-fsanitize=${WRY_SANITIZE})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    add_compile_options(-Wno-maybe-uninitialized) # false with -fsanitize=undefined, in libstdc++'s own <regex>
+  endif()
 endif()
 
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)

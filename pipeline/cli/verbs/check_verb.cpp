@@ -103,8 +103,8 @@ Status check_output_folder(const fs::path& folder) {
     return make_error(ErrorCode::check_failed, "{}: surfaces intersect in {} frames", folder.string(),
                       tally.intersecting);
   if (tally.damaged > 0)
-    return make_error(ErrorCode::check_failed, "{}: {} files are damaged; `wry run` makes them again", folder.string(),
-                      tally.damaged);
+    return make_error(ErrorCode::check_failed, "{}: {} damaged; `wry run` makes them again", folder.string(),
+                      tally.damaged == 1 ? "a file is" : fmt::format("{} files are", tally.damaged));
   fmt::print("{}: whole\n", folder.string());
   return {};
 }
