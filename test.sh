@@ -102,6 +102,7 @@ run_sanitized() {
 }
 
 install_packages test
+[ "$full" = no ] || install_packages full
 mkdir -p build
 check_format
 configure release -DWRY_WARNINGS_AS_ERRORS=ON

@@ -39,8 +39,17 @@ bool meets_meshes(const mpm::MpmPlan& plan) {
                      [](const auto& collider) { return std::holds_alternative<scene::MeshObstacle>(collider->shape); });
 }
 
+/// Rows of a body's channels on vertices: quadratic elements have nodes at the middles of edges too.
+std::uint64_t vertices_in_frame(const fem::FemBody& body) {
+  return static_cast<std::uint64_t>(body.mesh->vertices.rows());
+}
+
+bool has_rotations(const fem::FemBody& body) {
+  return fem::is_micropolar(body.material.model) || fem::is_plate(body.element);
+}
+
 std::uint64_t frame_bytes_of_solid(const fem::FemPlan& plan, const fem::FemBody& body, const BodyReport& report) {
-  const bool micropolar = fem::is_micropolar(body.material.model);
+  const bool micropolar = has_rotations(body);
   std::uint64_t per_node = 24 + 12, per_tet = 4; // position, velocity; energy density
   if (micropolar)
     per_node += (plan.outputs.point_rotations ? 32 : 16) + 12; // microrotation, angular velocity
@@ -50,7 +59,7 @@ std::uint64_t frame_bytes_of_solid(const fem::FemPlan& plan, const fem::FemBody&
     per_node += 48;
   if (plan.outputs.curvature_energy)
     per_tet += 4;
-  return FRAME_BYTES_PER_BODY + report.nodes * per_node + report.tets * per_tet;
+  return FRAME_BYTES_PER_BODY + vertices_in_frame(body) * per_node + report.tets * per_tet;
 }
 
 /// How fast matter that falls through its own height gets.
@@ -127,10 +136,11 @@ void add_cost_of_solids(const ScenePlan& plan, CostEstimate& cost) {
   double seconds_per_iteration = 0.0;
   for (std::size_t i = 0; i < fem.bodies.size(); ++i) {
     const BodyReport& body = plan.bodies[i];
-    const bool micropolar = fem::is_micropolar(fem.bodies[i].material.model);
+    const bool micropolar = has_rotations(fem.bodies[i]);
     cost.memory_bytes += body.tets * (micropolar ? MICROPOLAR_BYTES_PER_TET : CLASSIC_BYTES_PER_TET);
     cost.bytes_per_frame += frame_bytes_of_solid(fem, fem.bodies[i], body);
-    cost.bytes_per_checkpoint += body.nodes * (micropolar ? 128 : 48) + (micropolar ? body.tets * 128 : 0);
+    cost.bytes_per_checkpoint +=
+        vertices_in_frame(fem.bodies[i]) * (micropolar ? 128 : 48) + (micropolar ? body.tets * 128 : 0);
     const bool curved = fem.bodies[i].material.curvature != fem::CurvatureModel::none;
     seconds_per_iteration +=
         static_cast<double>(body.tets) * ((micropolar ? MICROPOLAR_SECONDS_PER_TET : CLASSIC_SECONDS_PER_TET) +
