@@ -16,6 +16,7 @@ struct Ladder {
   std::string key;
   Source source;
   std::vector<std::string> values;
+  std::vector<std::string> labels{}; ///< of the values, for people; empty: the values themselves
 };
 
 /// [accuracy]: ladders from coarse to fine, and what they are held against.

@@ -113,6 +113,9 @@ int run_chosen(const Verb& verb, const Invocation& invocation) {
                 invocation);
     return static_cast<int>(ErrorCode::out_of_memory);
   } catch (const std::system_error& failure) {
+    // Nobody reads on: `wry sweep SHOT --list | head` is no error.
+    if (failure.code() == std::errc::broken_pipe)
+      return 0;
     // A thread whose stack finds no room ends here.
     const bool no_room =
         failure.code() == std::errc::resource_unavailable_try_again || failure.code() == std::errc::not_enough_memory;

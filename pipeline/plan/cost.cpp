@@ -17,7 +17,7 @@ namespace {
 constexpr double CLASSIC_SECONDS_PER_TET = 0.2e-6;
 constexpr double MICROPOLAR_SECONDS_PER_TET = 0.6e-6;
 constexpr double CURVATURE_SECONDS_PER_TET = 0.7e-6; // beside the former
-constexpr double NEWTON_PER_STEP = 3.0;
+constexpr double NEWTON_PER_STEP = 5.0;
 constexpr double NEWTON_PER_STEP_IN_CONTACT = 20.0; // with both passes of friction
 // Element data, two matrices and the vectors, per tet.
 constexpr std::uint64_t CLASSIC_BYTES_PER_TET = 1200;

@@ -96,11 +96,6 @@ int badness(MapMark mark) {
   return static_cast<int>(mark);
 }
 
-std::string short_value(const std::string& value) {
-  const double number = number_of(value);
-  return std::isfinite(number) ? fmt::format("{:.5g}", number) : value;
-}
-
 std::string safe_range(const StressStudy& study, const StressReport& report, std::size_t knob) {
   std::string text;
   for (std::size_t c = 0; c < study.cases.size(); ++c) {
@@ -108,7 +103,7 @@ std::string safe_range(const StressStudy& study, const StressReport& report, std
       continue;
     const MapMark mark = report.findings[c].mark;
     if (mark == MapMark::holds || mark == MapMark::holds_with_smaller_steps)
-      text += (text.empty() ? "" : ", ") + short_value(study.knobs[knob].values[study.cases[c].values[0]]);
+      text += (text.empty() ? "" : ", ") + value_label(study.knobs[knob], study.cases[c].values[0]);
   }
   return fmt::format("{}: {}", study.knobs[knob].key,
                      text.empty() ? "at none of the values tried" : "holds at " + text);
@@ -160,9 +155,8 @@ MapPlot stress_map(const StressStudy& study, const StressReport& report, const s
     if (one.knobs.size() != 1)
       continue;
     const std::string detail = cell_text(report.findings[c]);
-    map.cells[one.knobs[0]].push_back(
-        {report.findings[c].mark,
-         short_value(study.knobs[one.knobs[0]].values[one.values[0]]) + (detail.empty() ? "" : "  " + detail)});
+    map.cells[one.knobs[0]].push_back({report.findings[c].mark, value_label(study.knobs[one.knobs[0]], one.values[0]) +
+                                                                    (detail.empty() ? "" : "  " + detail)});
   }
   return map;
 }

@@ -26,10 +26,21 @@ struct StressStudy {
 /// Every value of every knob alone, and (with pairs) the two ends of every two knobs together.
 StressStudy plan_stress_study(const shots::StressSection& section, const shots::Shot& shot);
 
-/// The knobs that a shot has: stiffness, Poisson's ratio, couple modulus, length scale and density of its materials,
-/// friction, time step, gravity, resolution, each at decades around what the shot says, or at the ends of what is
-/// allowed and beyond.
-std::vector<shots::Ladder> knobs_of(const shots::Shot& shot);
+/// The knobs of a shot, those that tell most first.
+struct ShotKnobs {
+  std::vector<shots::Ladder> knobs;
+  std::size_t paired = 0; ///< so many of the first are also turned two at a time
+};
+
+/// The knobs that a shot has, each at decades around what the shot says, or at the ends of what is allowed and beyond.
+/// Of its solids: stiffness, Poisson's ratio, density, couple modulus, length scale, rest curvature, resolution, time
+/// step. Of its particles: stiffness, the ratio of anisotropy, plastic scale, friction angle, density, cell size, time
+/// step. Of both: friction, gravity, how fast drives and colliders run through their keys. Bodies that share a material
+/// share its knobs; what a method does not read is no knob of its.
+ShotKnobs knobs_of(const shots::Shot& shot);
+
+/// A knob's value for people.
+std::string value_label(const shots::Ladder& knob, std::size_t value);
 
 /// What came of a case.
 struct StressFinding {

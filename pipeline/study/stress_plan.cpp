@@ -1,53 +1,31 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "pipeline/report/csv_table.h"
 #include "pipeline/study/stress.h"
-#include "shots/resolved.h"
 
 namespace wry::pipeline {
 
 namespace {
 
-/// What is turned, by how a key ends, and how far: as multiples of the shot's own value, or as values.
-struct KnobRule {
-  std::string_view ending;
-  std::vector<double> multiples;
-  std::vector<double> values;
-};
-
-const std::array<KnobRule, 9>& knob_rules() {
-  static const std::array<KnobRule, 9> RULES = {{
-      {".youngs_modulus", {1e-4, 1e-2, 1e2, 1e4, 1e6}, {}},
-      {".poisson_ratio", {}, {-0.9, 0.0, 0.45, 0.49, 0.499, 0.4999, 0.5}},
-      {".couple_modulus_ratio", {}, {1e-6, 1e-3, 1e3, 1e6}},
-      {".length_scale", {}, {0.0, 1e-9, 1.0, 1e3}},
-      {".density", {1e-3, 1e-1, 1e1, 1e3}, {}},
-      {".friction", {}, {0.0, 0.5, 1.0, 10.0}},
-      {"fem.time_step", {}, {1e-3, 1e-2, 1e-1, 1.0}},
-      {".resolution", {0.7, 2.0, 4.0}, {}},
-      {"mpm.time_step", {}, {1e-4, 1e-3, 1e-2}},
-  }};
-  return RULES;
-}
-
-std::string number_text(double value) {
-  return fmt::format("{:g}", value);
-}
-
-std::string name_of(const Variant& variant) {
+/// "density = 10, friction = 0.5"
+std::string name_of(const std::vector<shots::Ladder>& knobs, const StressCase& one) {
   std::string text;
-  for (const Parameter& parameter : variant.parameters)
-    text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", parameter.key, plain_value(parameter.value));
+  for (std::size_t i = 0; i < one.knobs.size(); ++i)
+    text += fmt::format("{}{} = {}", i == 0 ? "" : ", ", knobs[one.knobs[i]].key,
+                        value_label(knobs[one.knobs[i]], one.values[i]));
   return text;
 }
 
-std::size_t add_case(StressStudy& study, std::vector<Parameter> parameters) {
+/// The row of the study that runs these values, added where no other case has them.
+std::size_t row_of(StressStudy& study, const StressCase& one) {
+  std::vector<Parameter> parameters;
+  for (std::size_t i = 0; i < one.knobs.size(); ++i)
+    parameters.push_back({study.knobs[one.knobs[i]].key, study.knobs[one.knobs[i]].values[one.values[i]]});
   Variant variant = make_variant("", std::move(parameters));
-  variant.name = name_of(variant);
+  variant.name = one.knobs.empty() ? "the shot as it is" : name_of(study.knobs, one);
   const auto same = std::find_if(study.variants.begin(), study.variants.end(),
                                  [&](const Variant& other) { return other.identity() == variant.identity(); });
   if (same != study.variants.end())
@@ -56,61 +34,41 @@ std::size_t add_case(StressStudy& study, std::vector<Parameter> parameters) {
   return study.variants.size() - 1;
 }
 
-/// A value far down and one far up gravity, in the direction that it has.
-void add_gravity(const shots::Shot& shot, std::vector<shots::Ladder>& knobs) {
-  const Vec3& gravity = *shot.shot.gravity;
-  if (gravity.norm() == 0.0)
-    return;
-  shots::Ladder ladder{"shot.gravity", shot.shot.gravity.source, {}};
-  for (const double multiple : {0.0, 10.0, 100.0})
-    ladder.values.push_back(
-        fmt::format("[{}, {}, {}]", multiple * gravity[0], multiple * gravity[1], multiple * gravity[2]));
-  knobs.push_back(std::move(ladder));
+void add_case(StressStudy& study, StressCase one) {
+  one.row = row_of(study, one);
+  study.cases.push_back(std::move(one));
 }
 
 } // namespace
 
-std::vector<shots::Ladder> knobs_of(const shots::Shot& shot) {
-  std::vector<shots::Ladder> knobs;
-  for (const shots::FlatKey& key : shots::flatten(shot)) {
-    if (key.effect != shots::Effect::simulation)
-      continue;
-    const auto rule = std::find_if(knob_rules().begin(), knob_rules().end(),
-                                   [&](const KnobRule& r) { return key.key.ends_with(r.ending); });
-    if (rule == knob_rules().end())
-      continue;
-    shots::Ladder ladder{key.key, {}, {}};
-    const double own = number_of(key.value);
-    for (const double multiple : rule->multiples) {
-      if (std::isfinite(own))
-        ladder.values.push_back(number_text(own * multiple));
-    }
-    for (const double value : rule->values)
-      ladder.values.push_back(number_text(value));
-    if (!ladder.values.empty())
-      knobs.push_back(std::move(ladder));
-  }
-  add_gravity(shot, knobs);
-  return knobs;
+std::string value_label(const shots::Ladder& knob, std::size_t value) {
+  if (!knob.labels.empty())
+    return knob.labels[value];
+  const double number = number_of(knob.values[value]);
+  return std::isfinite(number) ? fmt::format("{:.5g}", number) : plain_value(knob.values[value]);
 }
 
 StressStudy plan_stress_study(const shots::StressSection& section, const shots::Shot& shot) {
   StressStudy study;
-  study.knobs = section.knobs.empty() ? knobs_of(shot) : section.knobs;
-  study.base = add_case(study, {});
-  study.variants.front().name = "the shot as it is";
-  for (std::size_t k = 0; k < study.knobs.size(); ++k) {
-    const shots::Ladder& knob = study.knobs[k];
-    for (std::size_t v = 0; v < knob.values.size(); ++v)
-      study.cases.push_back({{k}, {v}, add_case(study, {{knob.key, knob.values[v]}})});
+  std::size_t paired = 0;
+  if (section.knobs.empty()) {
+    ShotKnobs knobs = knobs_of(shot);
+    paired = knobs.paired;
+    study.knobs = std::move(knobs.knobs);
+  } else {
+    study.knobs = section.knobs;
+    paired = study.knobs.size();
   }
-  for (std::size_t a = 0; section.pairs && a < study.knobs.size(); ++a) {
-    for (std::size_t b = a + 1; b < study.knobs.size(); ++b) {
-      const shots::Ladder &first = study.knobs[a], &second = study.knobs[b];
-      for (const std::size_t i : {std::size_t{0}, first.values.size() - 1}) {
-        for (const std::size_t j : {std::size_t{0}, second.values.size() - 1})
-          study.cases.push_back(
-              {{a, b}, {i, j}, add_case(study, {{first.key, first.values[i]}, {second.key, second.values[j]}})});
+  study.base = row_of(study, {});
+  for (std::size_t k = 0; k < study.knobs.size(); ++k) {
+    for (std::size_t v = 0; v < study.knobs[k].values.size(); ++v)
+      add_case(study, {{k}, {v}, 0});
+  }
+  for (std::size_t a = 0; section.pairs && a < paired; ++a) {
+    for (std::size_t b = a + 1; b < paired; ++b) {
+      for (const std::size_t i : {std::size_t{0}, study.knobs[a].values.size() - 1}) {
+        for (const std::size_t j : {std::size_t{0}, study.knobs[b].values.size() - 1})
+          add_case(study, {{a, b}, {i, j}, 0});
       }
     }
   }

@@ -12,6 +12,7 @@
 #include "pipeline/study/study_display.h"
 #include "pipeline/study/study_page.h"
 #include "pipeline/study/variant.h"
+#include "shots/load.h"
 #include "tests/pipeline/cache_support.h"
 
 namespace wry::pipeline {
@@ -177,6 +178,48 @@ TEST(Stress, PairsAreTheEndsOfEveryTwoKnobs) {
   EXPECT_EQ(study.variants.size(), 1u + study.cases.size());
   section.pairs = false;
   EXPECT_EQ(plan_stress_study(section, {}).cases.size(), 7u);
+}
+
+std::vector<std::string> knob_keys(const std::string& name) {
+  const Result<shots::Shot> shot = shots::load_shot(std::string(WRY_SOURCE_DIR) + "/shots/" + name + ".toml");
+  EXPECT_TRUE(shot) << shot.error().message;
+  std::vector<std::string> keys;
+  for (const shots::Ladder& knob : knobs_of(*shot).knobs)
+    keys.push_back(knob.key);
+  return keys;
+}
+
+TEST(Stress, AShotsKnobsAreThoseThatItsMethodsRead) {
+  using ::testing::Contains;
+  using ::testing::Not;
+  const std::vector<std::string> truck = knob_keys("dump_truck");
+  for (const char* key : {"material.straw.youngs_modulus", "material.straw.youngs_modulus.z", "mpm.cell_size",
+                          "material.straw.plastic_scale.z", "collider.bed.friction", "collider.bed.keys"})
+    EXPECT_THAT(truck, Contains(key));
+  for (const char* key : {"material.straw.couple_modulus_ratio", "fem.time_step", "collider.floor.keys"})
+    EXPECT_THAT(truck, Not(Contains(key)));
+  const std::vector<std::string> cantilever = knob_keys("cantilever");
+  for (const char* key : {"material.soft.couple_modulus_ratio", "fem.time_step", "drive.left.keys"})
+    EXPECT_THAT(cantilever, Contains(key));
+  EXPECT_THAT(cantilever, Not(Contains("mpm.time_step")));
+  EXPECT_THAT(knob_keys("helix"), Contains("material.third.rest_curvature"));
+  EXPECT_THAT(knob_keys("lotus_bowl"), Contains("contact.friction"));
+}
+
+TEST(Stress, EveryValueOfAKnobIsOneThatTheShotTakesOrRefusesWithItsKey) {
+  for (const char* name : {"dump_truck", "cantilever", "helix", "plate"}) {
+    const std::string path = std::string(WRY_SOURCE_DIR) + "/shots/" + name + ".toml";
+    for (const shots::Ladder& knob : knobs_of(*shots::load_shot(path)).knobs) {
+      ASSERT_FALSE(knob.values.empty()) << knob.key;
+      for (std::size_t v = 0; v < knob.values.size(); ++v) {
+        const Result<shots::Shot> turned = shots::load_shot(path, {{knob.key, knob.values[v], {}}});
+        EXPECT_TRUE(turned ||
+                    turned.error().message.find(knob.key.substr(knob.key.rfind('.') + 1)) != std::string::npos)
+            << name << ": " << turned.error().message;
+        EXPECT_LT(value_label(knob, v).size(), 12u) << knob.key;
+      }
+    }
+  }
 }
 
 TEST(StudyPage, DataCannotEndItsScript) {

@@ -17,9 +17,9 @@ constexpr double SINGLE_ENTRIES_PER_SECOND = 7e9;
 constexpr double VECTOR_UNKNOWNS_PER_SECOND = 1e9;
 
 /// Block-Jacobi iterations that one Newton direction (relative residual about 1e-3) takes. Per edge that a turn reaches
-/// sheet, plate and bunny take 3.1 to 3.6; per edge that a wave crosses twisted bars and rods take 5 to 16.
+/// sheet, plate and bunnies take 3 to 6; per edge that a wave crosses twisted bars and rods take 5 to 16.
 double expected_iterations(const SolverDemand& demand) {
-  constexpr double PER_EDGE_OF_A_WAVE = 9.0, PER_EDGE_OF_A_TURN = 3.3;
+  constexpr double PER_EDGE_OF_A_WAVE = 9.0, PER_EDGE_OF_A_TURN = 5.0;
   const double asked = std::max(PER_EDGE_OF_A_WAVE * demand.wave_crossing, PER_EDGE_OF_A_TURN * demand.rotation_reach);
   return 6.0 + std::min(asked, PER_EDGE_OF_A_WAVE * 1.5 * demand.longest_path);
 }
