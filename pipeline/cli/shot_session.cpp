@@ -11,13 +11,12 @@
 
 #include "pipeline/run/engines/job_process.h"
 #include "pipeline/run/signals.h"
-#include "shots/load.h"
 
 extern char** environ;
 
 namespace wry::pipeline {
 
-Result<ShotSession> open_session(const Invocation& invocation) {
+Result<shots::ShotDocument> open_document(const Invocation& invocation) {
   std::vector<shots::Override> overrides;
   if (!invocation.wedge.empty())
     overrides.push_back({"case", invocation.wedge, {}});
@@ -27,7 +26,15 @@ Result<ShotSession> open_session(const Invocation& invocation) {
       return parsed.error();
     overrides.push_back(std::move(*parsed));
   }
-  Result<shots::Shot> shot = shots::load_shot(invocation.subject, overrides);
+  const Result<shots::ShotDocument> document = shots::read_document(invocation.subject);
+  return document ? shots::apply_overrides(*document, overrides) : document;
+}
+
+Result<ShotSession> open_session(const Invocation& invocation) {
+  const Result<shots::ShotDocument> document = open_document(invocation);
+  if (!document)
+    return document.error();
+  Result<shots::Shot> shot = shots::make_shot(*document);
   if (!shot)
     return shot.error();
   ShotSession session{std::move(*shot), {}, {}, Isa::sse4, invocation.shared};

@@ -6,6 +6,7 @@
 
 #include "pipeline/cli/verb.h"
 #include "pipeline/plan/scene_plan.h"
+#include "shots/load.h"
 #include "shots/shot.h"
 
 namespace wry::pipeline {
@@ -21,6 +22,10 @@ struct ShotSession {
 
 /// Loads the shot with --set and --case. Errors: usage, bad_input, missing_input, unavailable (--isa).
 Result<ShotSession> open_session(const Invocation& invocation);
+
+/// The shot file with --set and --case in place, for sections that are read by themselves, [accuracy] and [stress].
+/// Errors: usage, bad_input, missing_input.
+Result<shots::ShotDocument> open_document(const Invocation& invocation);
 
 /// The scene of a session. Errors: as compile_scene().
 Result<ScenePlan> plan_session(const ShotSession& session);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 
 #include "pipeline/cache/checkpoints.h"
@@ -373,7 +374,7 @@ Result<MeasureTable> measure_frames(const ScenePlan& plan, const fs::path& out, 
     });
     text += fmt::format("{},{}", frame->number, frame->time);
     for (const double value : row)
-      text += fmt::format(",{}", value);
+      text += std::isnan(value) ? std::string(",nan") : fmt::format(",{}", value); // no "-nan"
     text += "\n";
     table.frames.push_back(frame->number);
     table.rows.push_back(std::move(row));

@@ -38,18 +38,20 @@ double energy_growth(const CsvTable& stats) {
   return scale > 0.0 ? (last - first) / scale : 0.0;
 }
 
-bool all_finite(const CsvTable& table) {
-  for (const std::string& column : table.columns) {
-    for (const double value : table.numbers(column)) {
-      const bool gap = column.find("distance") != std::string::npos; // infinite where nothing is near
-      if (!std::isfinite(value) && !gap)
-        return false;
-    }
-  }
-  return true;
+bool all_finite(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
 }
 
-StressFinding finding_of(const StudyRow& row, double base_steps) {
+/// Columns that hold something that is no number, though they need not: infinite gaps are where nothing is near, and
+/// what is not always a number in the shot as it is may be none here either (a slope where there is no heap).
+bool passes_no_number(const CsvTable& table, const CsvTable& base) {
+  return std::any_of(table.columns.begin(), table.columns.end(), [&](const std::string& column) {
+    return column.find("distance") == std::string::npos && !all_finite(table.numbers(column)) &&
+           all_finite(base.numbers(column));
+  });
+}
+
+StressFinding finding_of(const StudyRow& row, const std::filesystem::path& base, double base_steps) {
   StressFinding finding;
   finding.message = row.reason;
   const CsvTable stats = read_csv_table(row.folder / "stats.csv");
@@ -62,7 +64,8 @@ StressFinding finding_of(const StudyRow& row, double base_steps) {
         std::isfinite(distance) ? std::min(finding.least_distance, distance) : finding.least_distance;
   if (row.outcome == StudyOutcome::done) {
     finding.mark = finding.cuts > 0.0 ? MapMark::holds_with_smaller_steps : MapMark::holds;
-    if (!all_finite(stats) || !all_finite(read_csv_table(row.folder / "measure.csv"))) {
+    if (passes_no_number(stats, {}) ||
+        passes_no_number(read_csv_table(row.folder / "measure.csv"), read_csv_table(base / "measure.csv"))) {
       finding.mark = MapMark::fails;
       finding.message = "a value that is no number was passed as good";
     }
@@ -113,9 +116,10 @@ std::string safe_range(const StressStudy& study, const StressReport& report, std
 
 StressReport judge_stress(const StressStudy& study, const std::vector<StudyRow>& rows) {
   StressReport report;
-  const double base_steps = static_cast<double>(read_csv_table(rows[study.base].folder / "stats.csv").rows.size());
+  const std::filesystem::path base = rows[study.base].folder;
+  const double base_steps = static_cast<double>(read_csv_table(base / "stats.csv").rows.size());
   for (const StressCase& one : study.cases) {
-    report.findings.push_back(finding_of(rows[one.row], base_steps));
+    report.findings.push_back(finding_of(rows[one.row], base, base_steps));
     report.failures += report.findings.back().mark == MapMark::fails ? 1 : 0;
   }
   for (std::size_t knob = 0; knob < study.knobs.size(); ++knob)

@@ -70,11 +70,10 @@ TEST(StressVerb, TellsWhatHoldsFromWhatIsRefused) {
   write_text(folder.path() / "bar.toml", small_shot() + R"(
 [stress]
 frames = "1-2"
-pairs = false
 "material.soft.poisson_ratio" = [0.3, 0.49, 0.5]
 "material.soft.youngs_modulus" = [1e3, 1e6]
 )");
-  const Outcome outcome = run_wry({"stress", "bar.toml", "--out", "o"}, folder.path());
+  const Outcome outcome = run_wry({"stress", "bar.toml", "--out", "o", "--set", "stress.pairs=false"}, folder.path());
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err << outcome.out;
   const fs::path results = folder.path() / "o" / "stress";
   const std::vector<std::string> outcomes = column(pipeline::read_csv_table(results / "stress.csv"), "outcome");

@@ -103,8 +103,8 @@ Status write_accuracy(const ShotSession& session, const StudyRequest& request, c
 }
 
 /// Particles are in single precision by default: without ladders of the shot's own, that against double precision.
-Result<shots::AccuracySection> section_of(const ShotSession& session, const std::string& path) {
-  const Result<shots::ShotDocument> document = shots::read_document(path);
+Result<shots::AccuracySection> section_of(const ShotSession& session, const Invocation& invocation) {
+  const Result<shots::ShotDocument> document = open_document(invocation);
   if (!document)
     return document.error();
   Result<shots::AccuracySection> section = shots::read_accuracy(*document);
@@ -114,7 +114,8 @@ Result<shots::AccuracySection> section_of(const ShotSession& session, const std:
                                          [&](const shots::Body& body) { return session.shot.is_particles(body); });
   if (!has_particles)
     return make_error(ErrorCode::bad_input,
-                      "{} has no ladder in [accuracy]; add one, such as \"fem.time_step\" = [0.02, 0.01, 0.005]", path);
+                      "{} has no ladder in [accuracy]; add one, such as \"fem.time_step\" = [0.02, 0.01, 0.005]",
+                      invocation.subject);
   section->ladders.push_back({"mpm.precision", {}, {"\"f32\""}});
   section->reference.push_back({"mpm.precision", "\"f64\"", {}});
   return section;
@@ -126,7 +127,7 @@ Status accuracy_verb(const Invocation& invocation) {
   const Result<ShotSession> session = open_session(invocation);
   if (!session)
     return session.error();
-  const Result<shots::AccuracySection> section = section_of(*session, invocation.subject);
+  const Result<shots::AccuracySection> section = section_of(*session, invocation);
   if (!section)
     return section.error();
   Result<AccuracyStudy> plan = plan_accuracy_study(*section);

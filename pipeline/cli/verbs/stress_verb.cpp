@@ -53,7 +53,7 @@ Status stress_verb(const Invocation& invocation) {
   const Result<ShotSession> session = open_session(invocation);
   if (!session)
     return session.error();
-  const Result<shots::ShotDocument> document = shots::read_document(invocation.subject);
+  const Result<shots::ShotDocument> document = open_document(invocation);
   if (!document)
     return document.error();
   const Result<shots::StressSection> section = shots::read_stress(*document);
