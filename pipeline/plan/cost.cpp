@@ -33,6 +33,9 @@ constexpr double SECONDS_PER_GRAIN = 1.6e-7, SECONDS_PER_GRAIN_NEAR_MESHES = 3e-
 constexpr double SECONDS_PER_BYTE_WRITTEN = 1e-8;
 constexpr std::uint64_t FRAME_BYTES_PER_BODY = 4000; // what HDF5 writes besides values
 constexpr std::uint64_t BYTES_PER_GRAIN = 68;
+// The program with its libraries; and a frame on its way out and back to be measured, in doubles and as bytes.
+constexpr std::uint64_t PROGRAM_BYTES = 66'000'000;
+constexpr std::uint64_t FRAMES_IN_MEMORY = 10;
 
 bool meets_meshes(const mpm::MpmPlan& plan) {
   return std::any_of(plan.colliders.begin(), plan.colliders.end(),
@@ -161,6 +164,7 @@ CostEstimate estimate_cost(const shots::Shot& shot, const ScenePlan& plan) {
   CostEstimate cost;
   add_cost_of_solids(plan, cost);
   add_cost_of_particles(plan, cost);
+  cost.memory_bytes += PROGRAM_BYTES + FRAMES_IN_MEMORY * cost.bytes_per_frame;
   const double frames = plan.sim.last_frame - plan.sim.first_frame + 1;
   const double every = static_cast<double>(*shot.fem.checkpoint_every);
   cost.checkpoints_kept = static_cast<double>(*shot.fem.keep) + (every > 0.0 ? std::floor(frames / every) : 0.0);
@@ -180,7 +184,8 @@ Status describe_solver(ScenePlan& plan, Isa isa, int threads) {
   plan.runs.push_back({"linear solver", choice.reason});
   if (plan.cost.steps > 0.0)
     plan.cost.seconds_per_step += plan.cost.newton_directions * choice.seconds_per_direction / plan.cost.steps;
-  plan.cost.memory_bytes = std::max<std::uint64_t>(plan.cost.memory_bytes, (*simulation)->memory_bytes());
+  const std::uint64_t with_solver = PROGRAM_BYTES + (*simulation)->memory_bytes();
+  plan.cost.memory_bytes = std::max<std::uint64_t>(plan.cost.memory_bytes, with_solver);
   return {};
 }
 

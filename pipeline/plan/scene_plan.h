@@ -39,7 +39,7 @@ struct PlanLine {
 
 /// What a shot costs, predicted.
 struct CostEstimate {
-  std::uint64_t memory_bytes = 0;    ///< the simulation at its largest
+  std::uint64_t memory_bytes = 0;    ///< the process that simulates, at its largest
   std::uint64_t bytes_per_frame = 0; ///< of the frame cache
   std::uint64_t bytes_per_checkpoint = 0;
   double checkpoints_kept = 0.0;

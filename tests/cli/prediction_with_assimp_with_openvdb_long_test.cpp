@@ -44,6 +44,13 @@ double cpu_seconds_of_children() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
+/// Of the largest of them so far.
+double peak_bytes_of_children() {
+  rusage usage{};
+  getrusage(RUSAGE_CHILDREN, &usage);
+  return 1024.0 * double(usage.ru_maxrss);
+}
+
 double bytes_in(const fs::path& folder) {
   double bytes = 0.0;
   for (const fs::directory_entry& file : fs::recursive_directory_iterator(folder))
@@ -56,7 +63,7 @@ class PredictionLong : public testing::TestWithParam<PredictedShot> {};
 
 /// Time is the CPU time of one thread: the constants of the prediction are those of the machine in the README, and a
 /// machine half or twice as fast as that fails here by right.
-TEST_P(PredictionLong, OfTimeAndDiskIsWithinAFactorOfTwo) {
+TEST_P(PredictionLong, OfTimeMemoryAndDiskIsWithinAFactorOfTwo) {
   const TemporaryFolder folder;
   const std::string shot = std::string(WRY_SOURCE_DIR) + "/shots/" + GetParam().name + ".toml";
   std::vector<std::string> sets;
@@ -70,17 +77,19 @@ TEST_P(PredictionLong, OfTimeAndDiskIsWithinAFactorOfTwo) {
 
   words = {"simulate", shot, "--threads", "1", "--quiet", "--out", (folder.path() / "out").string()};
   words.insert(words.end(), sets.begin(), sets.end());
-  const double before = cpu_seconds_of_children();
+  const double before = cpu_seconds_of_children(), peak_before = peak_bytes_of_children();
   const Outcome run = run_wry(words, folder.path());
   const double seconds = cpu_seconds_of_children() - before;
   ASSERT_EQ(run.exit_code, 0) << run.err;
 
+  const double peak = peak_bytes_of_children(), predicted_peak = cost.at("memory_bytes").get<double>();
   const double predicted = cost.at("seconds").get<double>();
   const double disk = bytes_in(folder.path() / "out");
   const double predicted_disk = cost.at("disk_bytes").get<double>();
-  fmt::print("{:16} time {:8.1f} s, predicted {:8.1f} s: {:5.2f}   disk {:8.1f} MB, predicted {:8.1f} MB: {:5.2f}\n",
+  fmt::print("{:16} time {:6.1f} s, predicted {:6.1f}: {:4.2f}   disk {:6.1f} MB, predicted {:6.1f}: {:4.2f}   memory "
+             "{:4.0f} MB, predicted {:4.0f}: {:4.2f}\n",
              GetParam().name, seconds, predicted, predicted / seconds, 1e-6 * disk, 1e-6 * predicted_disk,
-             predicted_disk / disk);
+             predicted_disk / disk, 1e-6 * peak, 1e-6 * predicted_peak, predicted_peak / peak);
   // What a second or a megabyte decides is not worth predicting.
   if (std::max(seconds, predicted) > 2.0) {
     EXPECT_GT(predicted / seconds, 0.5);
@@ -89,6 +98,10 @@ TEST_P(PredictionLong, OfTimeAndDiskIsWithinAFactorOfTwo) {
   if (std::max(disk, predicted_disk) > 2e6) {
     EXPECT_GT(predicted_disk / disk, 0.5);
     EXPECT_LT(predicted_disk / disk, 2.0);
+  }
+  if (peak > peak_before) { // else an earlier one was larger, where one process runs several of these tests
+    EXPECT_GT(predicted_peak / peak, 0.5);
+    EXPECT_LT(predicted_peak / peak, 2.0);
   }
 }
 

@@ -85,6 +85,63 @@ TEST_F(SlurmLong, ANodeKilledMidSweepLosesNothing) {
   EXPECT_EQ(hashes("s"), hashes("local")) << "the same bits as without a farm and without a loss";
 }
 
+/// A shipped sweep of 24 wedges, made small.
+struct ShippedSweep {
+  std::string name;
+  std::vector<std::string> sets;
+};
+
+class ShippedSweepLong : public SlurmLong, public testing::WithParamInterface<ShippedSweep> {
+protected:
+  std::vector<std::string> words(const std::string& out, const std::string& engine) const {
+    std::vector<std::string> all = {"sweep",    std::string(WRY_SOURCE_DIR) + "/shots/" + GetParam().name + ".toml",
+                                    "--out",    out,
+                                    "--engine", engine,
+                                    "--jobs",   "2",
+                                    "--isa",    "sse4"};
+    for (const std::string& set : GetParam().sets)
+      all.insert(all.end(), {"--set", set});
+    return all;
+  }
+  /// Exit codes: all wedges done, whether or not such coarse ones hold what is expected of fine ones.
+  static bool is_done(const Outcome& outcome) { return outcome.exit_code == 0 || outcome.exit_code == 1; }
+};
+
+TEST_P(ShippedSweepLong, KilledAndResumedOnBothEnginesItsWedgesAreTheSame) {
+  const Outcome whole = run_wry(words("whole", "local"), m_folder.path());
+  ASSERT_TRUE(is_done(whole)) << whole.err;
+  ASSERT_EQ(hashes("whole").size(), 24u);
+
+  const pid_t local = begin(words("local", "local"));
+  wait_for_frames("local");
+  kill(local, SIGKILL);
+  waitpid(local, nullptr, 0);
+  const Outcome resumed = run_wry(words("local", "local"), m_folder.path());
+  EXPECT_TRUE(is_done(resumed)) << resumed.err;
+  EXPECT_EQ(hashes("local"), hashes("whole"));
+
+  SlurmFarm farm(m_folder.path() / "farm");
+  ASSERT_EQ(farm.problem(), "") << farm.logs();
+  const pid_t slurm = begin(words("slurm", "slurm"));
+  wait_for_frames("slurm");
+  farm.kill_node("n1");
+  kill(slurm, SIGKILL);
+  waitpid(slurm, nullptr, 0);
+  shell("scancel --user=root");
+  const Outcome again = run_wry(words("slurm", "slurm"), m_folder.path());
+  EXPECT_TRUE(is_done(again)) << again.err << farm.logs();
+  EXPECT_EQ(hashes("slurm"), hashes("whole"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Shots, ShippedSweepLong,
+                         testing::Values(ShippedSweep{"sweep_truck",
+                                                      {"mpm.cell_size=0.05", "shot.frames=\"1-3\"",
+                                                       "render.size=[64, 36]", "render.samples=1"}},
+                                         ShippedSweep{"sweep_bunny",
+                                                      {"body.bunny.resolution=0.3", "shot.frames=\"1-3\"",
+                                                       "render.size=[64, 36]", "render.samples=1"}}),
+                         [](const testing::TestParamInfo<ShippedSweep>& sweep) { return sweep.param.name; });
+
 TEST_F(SlurmLong, AJobThatIsStoppedGoesBackIntoTheQueueAndOn) {
   SlurmFarm farm(m_folder.path() / "farm");
   ASSERT_EQ(farm.problem(), "") << farm.logs();

@@ -43,6 +43,17 @@ TEST(Orientation, AGrainTurnsWithJefferysPeriod) {
   }
 }
 
+TEST(Orientation, APureStretchTurnsAGrainAsTheExponentialDoesHoweverLong) {
+  Mat3 D = Mat3::Zero();
+  D.diagonal() << 1.0, -0.2, -0.8;
+  const Vec3 p = Vec3(0.3, 0.8, 0.5).normalized();
+  const double l = jeffery_shape(5.0);
+  for (const double dt : {1e-6, 1e-3, 0.1, 0.4, 0.45, 3.0}) { // by the series up to .42, by eigenvectors beyond
+    const Vec3 expected = (l * dt * D.diagonal()).array().exp().matrix().cwiseProduct(p).normalized();
+    EXPECT_LT((turn_direction(p, D, l, dt) - expected).norm(), 1e-15) << dt;
+  }
+}
+
 TEST(Orientation, AGrainsTurnIsSecondOrderInTime) {
   const double l = jeffery_shape(5.0);
   const auto after = [&](int steps) {

@@ -18,6 +18,22 @@ Mat3 symmetric_exponential(const Mat3& S) {
   return eigen.vectors * values.asDiagonal() * eigen.vectors.transpose();
 }
 
+/// exp(S) v. Within a step S is small, and a few terms of the series give all digits at a tenth of the eigenvectors'
+/// cost.
+Vec3 exponential_times(const Mat3& S, const Vec3& v) {
+  constexpr double SMALL = 0.5; // the last term is then below 1e-17 of v
+  constexpr int TERMS = 15;
+  if (!(S.norm() <= SMALL))
+    return symmetric_exponential(S) * v;
+  Vec3 sum = v, term = v;
+  const double negligible = 1e-34 * v.squaredNorm();
+  for (int k = 1; k <= TERMS && term.squaredNorm() > negligible; ++k) {
+    term = (S * term) / static_cast<double>(k);
+    sum += term;
+  }
+  return sum;
+}
+
 } // namespace
 
 double jeffery_shape(double r) {
@@ -33,7 +49,7 @@ Vec3 turn_direction(const Vec3& direction, const Mat3& L, double shape, double d
   const Mat3 W = 0.5 * (L - L.transpose());
   const Vec3 spin(W(2, 1), W(0, 2), W(1, 0));
   const Mat3 half = rodrigues(0.5 * dt * spin);
-  const Vec3 turned = half * (symmetric_exponential(dt * shape * D) * (half * direction));
+  const Vec3 turned = half * exponential_times(dt * shape * D, half * direction);
   return turned.normalized();
 }
 
