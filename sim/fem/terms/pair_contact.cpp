@@ -6,6 +6,7 @@
 #include "sim/fem/contact_system.h"
 #include "sim/fem/terms/barrier.h"
 #include "sim/fem/terms/node_terms.h"
+#include "sim/fem/terms/slip.h"
 
 namespace wry::fem {
 
@@ -271,7 +272,7 @@ public:
     m_first_pass = false;
   }
 
-  void bound_friction(bool on) override { m_bounded = on; }
+  void bound_friction(bool on) override { m_slip_hessian = on ? SlipHessian::bounded : SlipHessian::exact; }
 
   double energy(const Stage& stage, const Trial& trial) const override {
     double sum = 0.0;
@@ -296,14 +297,7 @@ public:
 
   int add_hessian(const Stage& stage, const Trial& trial, Projection, BlockMatrix& matrix) const override {
     for (const Slider& slider : m_sliders) {
-      const Vec3 slip = slip_of(slider, stage, trial);
-      const double length = slip.norm();
-      const SmoothedSlip smoothed = evaluate_slip(length, smoothing(stage));
-      Mat3 block = smoothed.slope_over_slip * (Mat3::Identity() - slider.normal * slider.normal.transpose());
-      if (length > 0.0 && !m_bounded) {
-        const Vec3 along = slip / length;
-        block += (smoothed.second - smoothed.slope_over_slip) * (along * along.transpose());
-      }
+      Mat3 block = slip_hessian(slip_of(slider, stage, trial), slider.normal, smoothing(stage), m_slip_hessian);
       block *= slider.limit;
       Hessian hessian;
       for (int k = 0; k < 4; ++k) {
@@ -352,7 +346,7 @@ private:
   const FemModel& m_model;
   ContactSystem& m_system;
   std::vector<Slider> m_sliders;
-  bool m_bounded = false;
+  SlipHessian m_slip_hessian = SlipHessian::exact;
   bool m_first_pass = true;
 };
 

@@ -3,6 +3,7 @@
 
 #include "sim/fem/terms/barrier.h"
 #include "sim/fem/terms/node_terms.h"
+#include "sim/fem/terms/slip.h"
 
 namespace wry::fem {
 
@@ -105,7 +106,7 @@ public:
     });
   }
 
-  void bound_friction(bool on) override { m_bounded = on; }
+  void bound_friction(bool on) override { m_slip_hessian = on ? SlipHessian::bounded : SlipHessian::exact; }
 
   double energy(const Stage& stage, const Trial& trial) const override {
     double sum = 0.0;
@@ -128,14 +129,7 @@ public:
 
   int add_hessian(const Stage& stage, const Trial& trial, Projection, BlockMatrix& matrix) const override {
     for (const Slider& slider : m_sliders) {
-      const Vec3 slip = slip_of(slider, stage, trial);
-      const double length = slip.norm();
-      const SmoothedSlip smoothed = evaluate_slip(length, smoothing(stage));
-      Mat3 block = smoothed.slope_over_slip * (Mat3::Identity() - slider.normal * slider.normal.transpose());
-      if (length > 0.0 && !m_bounded) {
-        const Vec3 along = slip / length;
-        block += (smoothed.second - smoothed.slope_over_slip) * (along * along.transpose());
-      }
+      Mat3 block = slip_hessian(slip_of(slider, stage, trial), slider.normal, smoothing(stage), m_slip_hessian);
       block *= stage.beta * stage.beta * slider.limit;
       matrix.add_velocity_diagonal(slider.node, block.data());
     }
@@ -159,7 +153,7 @@ private:
   const FemModel& m_model;
   const ContactState& m_contact;
   std::vector<Slider> m_sliders;
-  bool m_bounded = false;
+  SlipHessian m_slip_hessian = SlipHessian::exact;
 };
 
 } // namespace
