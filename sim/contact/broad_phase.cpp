@@ -330,9 +330,12 @@ void BroadPhase::build_trees(const std::vector<Box>& rooms) {
     m_edge_boxes[i] = rooms[edges[i][0]];
     m_edge_boxes[i].include(rooms[edges[i][1]]);
   }
-  m_threads.for_each(m_triangle_trees.size(), 1, [&](std::size_t part) {
-    m_triangle_trees[part].build(m_triangle_boxes, m_first_triangle[part], m_first_triangle[part + 1]);
-    m_edge_trees[part].build(m_edge_boxes, m_first_edge[part], m_first_edge[part + 1]);
+  m_threads.for_each(2 * m_triangle_trees.size(), 1, [&](std::size_t tree) {
+    const std::size_t part = tree / 2;
+    if (tree % 2 == 0)
+      m_triangle_trees[part].update(m_triangle_boxes, m_first_triangle[part], m_first_triangle[part + 1]);
+    else
+      m_edge_trees[part].update(m_edge_boxes, m_first_edge[part], m_first_edge[part + 1]);
   });
 }
 
