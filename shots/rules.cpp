@@ -204,6 +204,12 @@ private:
     if (!mesh && *collider.motion.from == MotionFrom::file) {
       refuse(collider.motion.from.source, " = \"file\": only a mesh has a file to take its motion from");
     }
+    if (mesh && mesh->sequence && mesh->node) {
+      refuse(mesh->node->source, ": a sequence moves all of the file; remove node");
+    }
+    if (mesh && mesh->sequence && *collider.motion.from == MotionFrom::file) {
+      refuse(collider.motion.from.source, " = \"file\": the mesh moves by its sequence; remove one of them");
+    }
     if (*collider.motion.from == MotionFrom::file && !collider.motion.keys.empty()) {
       refuse(collider.motion.keys.front().source, ": motion = \"file\" takes no keys; remove one of them");
     }

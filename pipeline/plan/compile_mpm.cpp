@@ -576,6 +576,8 @@ Result<mpm::HeldSpace> compile_driven_space(const shots::Drive& drive,
   if (drive.collider) {
     const auto named = std::find_if(colliders.begin(), colliders.end(),
                                     [&](const auto& collider) { return collider->name == **drive.collider; });
+    if ((*named)->sequence() != nullptr)
+      return at_source(drive.collider->source, cannot_follow(**drive.collider));
     driven->motion = (*named)->motion;
     return driven;
   }

@@ -229,7 +229,7 @@ Status SceneCompiler::compile_fixed() {
 
 Status SceneCompiler::compile_colliders() {
   for (const shots::Collider& asked : m_shot.colliders) {
-    Result<CompiledCollider> compiled = compile_collider(asked, *m_shot.shot.up);
+    Result<CompiledCollider> compiled = compile_collider(asked, m_shot.shot);
     if (!compiled)
       return compiled.error();
     const scene::Collider& collider = *compiled->collider;

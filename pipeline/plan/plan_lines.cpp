@@ -163,6 +163,10 @@ void describe_solids(ScenePlan& plan) {
   decide(!fem.obstacles.empty(), "collider contact",
          "colliders other than planes: barrier between surfaces, steps limited by continuous collision detection",
          "no collider but planes: no broad phase for colliders");
+  const auto deforms = [](const scene::Collider& collider) { return collider.sequence() != nullptr; };
+  decide(std::any_of(fem.obstacles.begin(), fem.obstacles.end(), deforms), "colliders that deform",
+         "[[collider]] sequence: vertices go straight from step to step, checked along the whole way",
+         "no [[collider]] with a sequence");
   decide(fem.contact && fem.contact->between_bodies, "contact of bodies",
          "[contact]: barrier between surfaces, steps limited by continuous collision detection",
          "no [contact]: no broad phase; bodies do not feel each other");

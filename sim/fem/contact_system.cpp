@@ -251,8 +251,11 @@ void ContactSystem::pose_obstacles(double time, Points& out) const {
   out.resize(m_surface.node_count() - m_unknown_nodes, 3);
   for (const Obstacle& obstacle : m_obstacles) {
     const scene::Pose pose = obstacle.collider->motion.pose(time);
-    for (Eigen::Index i = 0; i < obstacle.rest.rows(); ++i)
-      out.row(obstacle.first_node - m_unknown_nodes + i) = pose.apply(obstacle.rest.row(i).transpose()).transpose();
+    const scene::MeshSequence* sequence = obstacle.collider->sequence();
+    const Points local = sequence != nullptr ? sequence->at(time) : Points();
+    const Points& vertices = sequence != nullptr ? local : obstacle.rest;
+    for (Eigen::Index i = 0; i < vertices.rows(); ++i)
+      out.row(obstacle.first_node - m_unknown_nodes + i) = pose.apply(vertices.row(i).transpose()).transpose();
   }
 }
 
@@ -270,7 +273,7 @@ void ContactSystem::begin_step(double start_time, double end_time) {
     return;
   place_obstacles(start_time);
   const bool moves = std::any_of(m_obstacles.begin(), m_obstacles.end(),
-                                 [](const Obstacle& obstacle) { return obstacle.collider->motion.moves(); });
+                                 [](const Obstacle& obstacle) { return obstacle.collider->moves(); });
   if (!moves)
     return;
   pose_obstacles(end_time, m_obstacle_end);
