@@ -194,7 +194,7 @@ public:
 
 private:
   Barrier barrier_of(const ContactPair& pair, const PairDistance& distance) const {
-    return evaluate_barrier(distance.distance, pair.activation, m_system.stiffness(pair));
+    return evaluate_barrier(distance.distance - pair.thickness, pair.activation, m_system.stiffness(pair));
   }
 
   static Mollifier mollifier_of(const ContactPair& pair, const PairPoints& points) {
@@ -214,7 +214,8 @@ private:
       for (int b = a + 1; b < 4; ++b)
         most = std::max(most, (way.row(a) - way.row(b)).squaredNorm());
     }
-    return most < m_settled_share * m_settled_share * contact::squared_distance(pair.kind, points);
+    const double gap = std::sqrt(contact::squared_distance(pair.kind, points)) - pair.thickness;
+    return std::sqrt(most) < m_settled_share * gap;
   }
 
   Hessian hessian_of(const ContactPair& contact, const PairPoints& points, Projection projection) const {
@@ -261,7 +262,8 @@ public:
         continue;
       const PairPoints points = m_system.points_of(contact);
       const PairDistance pair = contact::pair_distance(contact.kind, points);
-      double force = -evaluate_barrier(pair.distance, contact.activation, m_system.stiffness(contact)).slope;
+      double force =
+          -evaluate_barrier(pair.distance - contact.thickness, contact.activation, m_system.stiffness(contact)).slope;
       if (contact.mollifier_threshold > 0.0)
         force *= contact::evaluate_mollifier(contact::cross_squared(points), contact.mollifier_threshold).value;
       Slider slider{contact, pair.weights, pair.normal, force, 0.0};
