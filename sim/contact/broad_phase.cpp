@@ -193,8 +193,6 @@ bool BroadPhase::cover(const Points& from, const Points& to, double distance, do
       lists.distance = distance;
       lists.measured_at = from;
       lists.picked = false;
-      for (std::vector<CandidatePair>& pairs : lists.pairs)
-        pairs.clear();
       lists.valid = search(group, distance);
     }
     if (!lists.valid) {
@@ -265,10 +263,7 @@ void BroadPhase::pick(const Points& from, const Points& to, PairGroup group) {
           chunk.push_back(pairs[i]);
       }
     });
-    std::vector<CandidatePair>& near = lists.near[static_cast<std::size_t>(kind)];
-    near.clear();
-    for (std::size_t chunk = 0; chunk < count; ++chunk)
-      near.insert(near.end(), m_chunks[chunk].begin(), m_chunks[chunk].end());
+    join_chunks(count, lists.near[static_cast<std::size_t>(kind)]);
   }
   lists.picked = true;
 }
@@ -284,6 +279,17 @@ void BroadPhase::measure(PairKind kind, bool within, const Lists& lists, Candida
   const bool limited = within && m_reach_within && apart < 2.0 * lists.distance;
   const double reach = limited ? m_reach_within(kind, pair.nodes) : lists.distance;
   pair.reach = static_cast<float>(std::min(reach, lists.distance)) * (1.0F + SINGLE_SLACK);
+}
+
+/// The first `count` chunks, one after the other. Millions of bytes: the threads share the copying.
+void BroadPhase::join_chunks(std::size_t count, std::vector<CandidatePair>& out) {
+  std::vector<std::size_t> begin(count + 1, 0);
+  for (std::size_t chunk = 0; chunk < count; ++chunk)
+    begin[chunk + 1] = begin[chunk] + m_chunks[chunk].size();
+  out.resize(begin[count]);
+  m_threads.for_each(count, 1, [&](std::size_t chunk) {
+    std::copy(m_chunks[chunk].begin(), m_chunks[chunk].end(), out.begin() + static_cast<std::ptrdiff_t>(begin[chunk]));
+  });
 }
 
 template <class Find>
@@ -308,11 +314,7 @@ bool BroadPhase::collect(std::size_t count, Lists& lists, PairKind kind, std::si
   });
   if (total > room)
     return false;
-  out.clear();
-  for (std::size_t index = 0; index < (count + GRAIN - 1) / GRAIN; ++index) {
-    const std::vector<CandidatePair>& chunk = m_chunks[index];
-    out.insert(out.end(), chunk.begin(), chunk.end());
-  }
+  join_chunks((count + GRAIN - 1) / GRAIN, out);
   return true;
 }
 
@@ -374,7 +376,7 @@ bool BroadPhase::search(PairGroup group, double distance) {
   const std::vector<std::int32_t>& points = m_surface.points();
   build_trees(lists.rooms);
   find_partners(group, distance);
-  const bool fits = collect(points.size(), lists, PairKind::point_triangle, m_most_pairs - lists.pairs[0].size(),
+  const bool fits = collect(points.size(), lists, PairKind::point_triangle, m_most_pairs,
                             [&](std::int32_t i, std::vector<CandidatePair>& out) {
                               Box box = lists.rooms[points[i]];
                               box.grow(distance);
