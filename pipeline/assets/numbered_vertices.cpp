@@ -1,5 +1,6 @@
 #include "pipeline/assets/numbered_vertices.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string_view>

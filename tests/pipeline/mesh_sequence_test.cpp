@@ -32,6 +32,11 @@ Points welded() {
   return points;
 }
 
+/// One coordinate of all vertices.
+Eigen::Vector4d column(const ImportedMeshSequence& made, std::size_t sample, int axis) {
+  return made.samples[sample].col(axis);
+}
+
 class MeshSequence : public ::testing::Test {
 protected:
   MeshSequence() { write("square.obj", square(0.0)); }
@@ -82,9 +87,9 @@ TEST_F(MeshSequence, APointCacheMovesTheVerticesThatTheFileNumbers) {
   EXPECT_EQ(made->first_frame, 5.0);
   EXPECT_EQ(made->frames_per_sample, 0.5);
   // The first welded vertex is the fourth (and fifth) of the file, then the third, the second and the first; placed.
-  EXPECT_EQ(made->samples[0].col(1), Eigen::Vector4d(60, 40, 20, 0));
-  EXPECT_EQ(made->samples[2].col(1), Eigen::Vector4d(460, 440, 420, 400));
-  EXPECT_EQ(made->samples[0].col(2), Eigen::Vector4d::Constant(10));
+  EXPECT_EQ(column(*made, 0, 1), Eigen::Vector4d(60, 40, 20, 0));
+  EXPECT_EQ(column(*made, 2, 1), Eigen::Vector4d(460, 440, 420, 400));
+  EXPECT_EQ(column(*made, 0, 2), Eigen::Vector4d(10, 10, 10, 10));
 }
 
 TEST_F(MeshSequence, NumberedMeshesAreReadFrameByFrame) {
@@ -94,8 +99,10 @@ TEST_F(MeshSequence, NumberedMeshesAreReadFrameByFrame) {
   ASSERT_TRUE(made.ok()) << made.error().message;
   ASSERT_EQ(made->samples.size(), 3u);
   EXPECT_EQ(made->first_frame, 7.0);
-  for (int i = 0; i < 3; ++i)
-    EXPECT_EQ(made->samples[static_cast<std::size_t>(i)].col(1), Eigen::Vector4d::Constant(2.0 * (7 + i)));
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double height = 2.0 * (7.0 + static_cast<double>(i));
+    EXPECT_EQ(column(*made, i, 1), Eigen::Vector4d(height, height, height, height));
+  }
   EXPECT_EQ(made->files.size(), 3u);
   EXPECT_EQ(made->files[1], path("wave.0008.obj"));
 }
