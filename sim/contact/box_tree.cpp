@@ -71,7 +71,9 @@ std::int32_t BoxTree::build_node(const std::vector<Box>& boxes, std::int32_t beg
   double high[3];
   for (int i = 0; i < 3; ++i)
     low[i] = high[i] = box.low[i] + box.high[i];
+  std::int32_t last = 0;
   for (std::int32_t k = begin; k < end; ++k) {
+    last = std::max(last, m_members[k]);
     const Box& other = boxes[m_members[k]];
     box.include(other);
     for (int i = 0; i < 3; ++i) {
@@ -80,7 +82,7 @@ std::int32_t BoxTree::build_node(const std::vector<Box>& boxes, std::int32_t beg
     }
   }
   const auto index = static_cast<std::int32_t>(m_nodes.size());
-  m_nodes.push_back({box, begin, end, 0});
+  m_nodes.push_back({box, begin, end, 0, last});
   if (end - begin <= LEAF_SIZE)
     return index;
   int axis = 0;

@@ -60,7 +60,7 @@ double box_distance(PairKind kind, const PairPoints& points) {
 /// A plane across the way between the nearest points shows how far apart they are at least, whatever was rounded in
 /// finding it.
 double proven_distance(PairKind kind, const PairPoints& points) {
-  const Vec3 normal = pair_distance(kind, points).normal;
+  const Vec3 normal = separating_direction(kind, points);
   const int first = kind == PairKind::edge_edge ? 2 : 1;
   double gap = std::numeric_limits<double>::infinity();
   double size = 0.0;
@@ -112,10 +112,11 @@ Points BroadPhase::middles_of(const Points& positions, PairGroup group) const {
   for (Eigen::Index part = 0; part < middles.rows(); ++part) {
     const std::size_t begin = m_first_point[static_cast<std::size_t>(part)];
     const std::size_t end = m_first_point[static_cast<std::size_t>(part) + 1];
+    Vec3 sum = Vec3::Zero();
     for (std::size_t i = begin; i < end; ++i)
-      middles.row(part) += positions.row(points[i]);
+      sum += positions.row(points[i]).transpose();
     if (end > begin)
-      middles.row(part) /= static_cast<double>(end - begin);
+      middles.row(part) = sum.transpose() / static_cast<double>(end - begin);
   }
   return middles;
 }
@@ -395,13 +396,13 @@ bool BroadPhase::search(PairGroup group, double distance) {
                            const Surface::Edge& e = edges[i];
                            const auto take = [&](std::int32_t j) {
                              const Surface::Edge& f = edges[j];
-                             if (j > i && !share_node(e, f))
+                             if (!share_node(e, f))
                                out.push_back({{e[0], e[1], f[0], f[1]}, i, j});
                            };
                            const int part = m_surface.part_of_node(e[0]);
                            for (const int other : m_partners[part]) {
                              if (other >= part)
-                               m_edge_trees[other].query(box, take);
+                               m_edge_trees[other].query(box, take, i);
                            }
                          });
 }

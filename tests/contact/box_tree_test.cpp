@@ -21,9 +21,10 @@ std::vector<Box> boxes_about(const std::vector<std::array<double, 3>>& places, d
   return boxes;
 }
 
-std::vector<std::int32_t> found(const BoxTree& tree, const Box& query) {
+std::vector<std::int32_t> found(const BoxTree& tree, const Box& query, std::int32_t after = -1) {
   std::vector<std::int32_t> indices;
-  tree.query(query, [&](std::int32_t index) { indices.push_back(index); });
+  tree.query(
+      query, [&](std::int32_t index) { indices.push_back(index); }, after);
   std::sort(indices.begin(), indices.end());
   return indices;
 }
@@ -57,6 +58,7 @@ TEST(BoxTree, FindsTheSameAfterItsBoxesMovedALittleOrAnywhere) {
       const std::vector<std::int32_t> expected = looked_through(boxes, BEGIN, END, query);
       hits += expected.size();
       ASSERT_EQ(found(tree, query), expected) << round;
+      ASSERT_EQ(found(tree, query, 199), looked_through(boxes, 200, END, query)) << round;
     }
     EXPECT_GT(hits, 400u);
   }
