@@ -27,6 +27,8 @@ constexpr double ROOM_SHARE = 0.25;
 /// Ways that bend a body by more rooms than this are not asked for whole: a direction along negative curvature has no
 /// length of its own, and its list would be of everything with everything.
 constexpr double MOST_ROOMS = 64.0;
+/// No barrier becomes stiffer than so many times what was chosen from the scene: beyond, Newton only gets stuck.
+constexpr double MOST_STIFFENING = 1024.0;
 constexpr std::size_t GRAIN = 2048;
 
 class Stopwatch {
@@ -191,6 +193,10 @@ std::size_t ContactSystem::slot(int a, int b) const {
          static_cast<std::size_t>(std::max(a, b));
 }
 
+void ContactSystem::stiffen(std::size_t slot, double factor) {
+  m_stiffness[slot] = std::min(factor * m_stiffness[slot], MOST_STIFFENING * m_least_stiffness[slot]);
+}
+
 std::string ContactSystem::part_name(int part) const {
   const std::size_t bodies = m_scene.model.bodies.size();
   const std::size_t index = static_cast<std::size_t>(part);
@@ -234,6 +240,7 @@ void ContactSystem::choose_coefficients() {
         m_friction[index] = friction_of(m_plan.bodies[a].material.name, m_plan.bodies[b].material.name);
     }
   }
+  m_least_stiffness = m_stiffness;
 }
 
 Status ContactSystem::check_start() {
@@ -479,13 +486,12 @@ void ContactSystem::stiffen_crowded(const Points& positions, double share, doubl
       crowded.insert(slot(pair.parts[0], pair.parts[1]));
   }
   for (const std::size_t index : crowded)
-    m_stiffness[index] *= factor;
+    stiffen(index, factor);
 }
 
 void ContactSystem::stiffen_limiting(double factor) {
   if (m_last_limit.nodes[0] >= 0)
-    m_stiffness[slot(m_surface.part_of_node(m_last_limit.nodes[0]), m_surface.part_of_node(m_last_limit.nodes[3]))] *=
-        factor;
+    stiffen(slot(m_surface.part_of_node(m_last_limit.nodes[0]), m_surface.part_of_node(m_last_limit.nodes[3])), factor);
 }
 
 std::string ContactSystem::describe_limit() const {

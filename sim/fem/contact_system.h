@@ -97,6 +97,7 @@ private:
   Status check_start();
   std::string part_name(int part) const;
   std::size_t slot(int a, int b) const;
+  void stiffen(std::size_t slot, double factor);
   void pose_obstacles(double time, Points& out) const;
   const Points& all_positions(const Points& positions);
   void update_pairs();
@@ -121,11 +122,12 @@ private:
   Points m_from, m_to;
   Points m_obstacle_start, m_obstacle_end; ///< rows of obstacles only
   double m_obstacle_share = 1.0;
-  std::vector<double> m_half_thickness; ///< of parts: plates, and open meshes that are thick [m]
-  double m_most_thickness = 0.0;        ///< of two parts that may meet [m]
-  std::vector<double> m_edge_squares;   ///< squared rest lengths of the surface's edges
-  std::vector<double> m_stiffness;      ///< parts x parts [N/m]
-  std::vector<Friction> m_friction;     ///< parts x parts
+  std::vector<double> m_half_thickness;  ///< of parts: plates, and open meshes that are thick [m]
+  double m_most_thickness = 0.0;         ///< of two parts that may meet [m]
+  std::vector<double> m_edge_squares;    ///< squared rest lengths of the surface's edges
+  std::vector<double> m_stiffness;       ///< parts x parts [N/m]
+  std::vector<double> m_least_stiffness; ///< as chosen from the scene: what it grows from
+  std::vector<Friction> m_friction;      ///< parts x parts
   std::vector<ContactPair> m_pairs;
   std::vector<std::vector<ContactPair>> m_chunks;
   Points m_pairs_at;              ///< where the pairs hold
