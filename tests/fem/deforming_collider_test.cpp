@@ -118,8 +118,9 @@ TEST(DeformingCollider, AJumpThroughABodyPushesItOrStopsTheRun) {
     while (!stopped && simulation->time() < 3.0 * interval) {
       const Result<StepStats> stats = simulation->step(3.0 * interval);
       stopped = !stats;
-      if (stopped)
+      if (stopped) {
         EXPECT_NE(stats.error().message.find("last good state is kept"), std::string::npos) << stats.error().message;
+      }
       ASSERT_FALSE(intersects(plan, *simulation)) << interval << " " << simulation->time();
     }
     EXPECT_GT(simulation->time(), 0.0);
