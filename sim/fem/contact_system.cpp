@@ -28,7 +28,7 @@ constexpr double ROOM_SHARE = 0.25;
 /// length of its own, and its list would be of everything with everything.
 constexpr double MOST_ROOMS = 64.0;
 /// No barrier becomes stiffer than so many times what was chosen from the scene: beyond, Newton only gets stuck.
-constexpr double MOST_STIFFENING = 1024.0;
+constexpr double MOST_STIFFENING = 65536.0;
 constexpr std::size_t GRAIN = 2048;
 
 class Stopwatch {
