@@ -34,7 +34,7 @@ std::string two_samples() {
   return bytes;
 }
 
-class PointCache : public ::testing::Test {
+class PointCacheFile : public ::testing::Test {
 protected:
   Result<PointCache> read(const std::string& bytes, int vertices = 3) const {
     std::ofstream(m_folder.path() / "a.pc2", std::ios::binary) << bytes;
@@ -43,7 +43,7 @@ protected:
   TemporaryFolder m_folder;
 };
 
-TEST_F(PointCache, SamplesComeInUnitsOfTheFileWithTheirFrames) {
+TEST_F(PointCacheFile, SamplesComeInUnitsOfTheFileWithTheirFrames) {
   const Result<PointCache> cache = read(two_samples());
   ASSERT_TRUE(cache.ok()) << cache.error().message;
   EXPECT_EQ(cache->first_frame, 10.0);
@@ -54,7 +54,7 @@ TEST_F(PointCache, SamplesComeInUnitsOfTheFileWithTheirFrames) {
   EXPECT_EQ(cache->samples[1](2, 2), 8.0);
 }
 
-TEST_F(PointCache, HeadersThatDoNotFitAreRefused) {
+TEST_F(PointCacheFile, HeadersThatDoNotFitAreRefused) {
   EXPECT_THAT(read(two_samples(), 4).error().message, HasSubstr("moves 3 points, the mesh has 4"));
   std::string bytes = two_samples();
   const std::int32_t many = std::numeric_limits<std::int32_t>::max();
