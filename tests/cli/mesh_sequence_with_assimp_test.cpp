@@ -46,7 +46,7 @@ TEST_F(MeshSequence, LiftsABodyAndIsDrawnAndExportedWhereItIs) {
   const Outcome exported = wry({"export", "--out", "o", "--to", "obj"});
   ASSERT_EQ(exported.exit_code, 0) << exported.err;
   const std::string last = read_text(m_folder.path() / "o" / "exports" / "obj" / "sheet.0005.obj");
-  EXPECT_THAT(last, HasSubstr(" 0.2 ")) << "5 cm in each of four frames, upright and in metres";
+  EXPECT_THAT(last, HasSubstr(" 0.2000")) << "5 cm in each of four frames, upright and in metres";
   const std::string box = read_text(m_folder.path() / "o" / "exports" / "obj" / "box.0005.obj");
   std::size_t below = 0;
   for (std::size_t at = box.find("\nv "); at != std::string::npos; at = box.find("\nv ", at + 1)) {
@@ -61,7 +61,7 @@ TEST_F(MeshSequence, IsHeldAgainstTheShot) {
   write_shot("sheet.##.obj", 6);
   const Outcome missing = wry({"plan"});
   EXPECT_EQ(missing.exit_code, 66) << missing.err;
-  EXPECT_THAT(missing.err, HasSubstr("lift.toml:15"));
+  EXPECT_THAT(missing.err, HasSubstr("lift.toml:16"));
   EXPECT_THAT(missing.err, HasSubstr("sheet.06.obj for frame 6"));
 
   write_text(m_folder.path() / "sheet.03.obj", sheet(1.0) + "v 0 0 0\n");
