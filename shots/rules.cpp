@@ -112,6 +112,10 @@ private:
         refuse(shares.source, fmt::format(": the shares sum to {:.6g}; expected 1", shares->sum()));
       }
     }
+    if (particles.grains && !particles.grains->mesh && !particles.grains->size) {
+      refuse(below(particles.grains->source, "size"),
+             " is missing: give the lengths of a grain along the material's x, y, z in m, or a mesh that has them");
+    }
     if (particles.repeat && particles.grains) {
       refuse(particles.grains->source, ": a source has no sub_particles in this build; remove one of the two");
     }

@@ -131,10 +131,10 @@ private:
 
   /// Faces and rest points of a mesh, without the braces.
   std::string mesh_attributes() const {
-    return fmt::format(
-        "int[] faceVertexCounts = {}\n            int[] faceVertexIndices = {}\n            point3f[] points = "
-        "{}",
-        repeated("3", m_body.triangles.rows()), indices(m_body.triangles), vectors(m_body.rest_positions));
+    return fmt::format("int[] faceVertexCounts = {}\n            int[] faceVertexIndices = {}\n            "
+                       "uniform token subdivisionScheme = \"none\"\n            point3f[] points = {}",
+                       repeated("3", m_body.triangles.rows()), indices(m_body.triangles),
+                       vectors(m_body.rest_positions));
   }
 
   void add_transform(const Frame& frame, const FrameBody& state) {

@@ -54,7 +54,9 @@ public:
       if (view->channel == "curvature_energy_density")
         m_plan.sim.fem.outputs.curvature_energy = true;
     }
-    m_plan.simulation_key = simulation_key();
+    m_plan.simulation_key = key_of(Inputs::all);
+    m_plan.matter_key = key_of(Inputs::matter);
+    m_plan.assets.insert(m_plan.assets.end(), m_grain_assets.begin(), m_grain_assets.end());
     m_plan.cost = estimate_cost(m_plan);
     describe_plan(m_shot, m_plan);
     return std::move(m_plan);
@@ -69,11 +71,13 @@ private:
   Status compile_measures();
   Status describe_measured_body(const shots::Measure& measure, MeasurePlan& compiled) const;
   scene::RestPoints measured_points(std::size_t body) const;
-  std::string simulation_key() const;
+  enum class Inputs { all, matter };
+  std::string key_of(Inputs what) const;
 
   const shots::Shot& m_shot;
   const PlanOptions& m_options;
   Threads m_threads{1};
+  std::vector<Asset> m_grain_assets; ///< the plan's when its keys are made
   ScenePlan m_plan;
 };
 
@@ -192,6 +196,7 @@ Status SceneCompiler::compile_particle_bodies() {
     m_plan.bodies.push_back(std::move(compiled->report));
     m_plan.body_looks.push_back(body.look ? **body.look : std::string());
     m_plan.assets.insert(m_plan.assets.end(), compiled->assets.begin(), compiled->assets.end());
+    m_grain_assets.insert(m_grain_assets.end(), compiled->grain_assets.begin(), compiled->grain_assets.end());
     m_plan.warnings.insert(m_plan.warnings.end(), compiled->warnings.begin(), compiled->warnings.end());
     mpm.bodies.push_back(std::move(compiled->body));
   }
@@ -365,10 +370,15 @@ Status SceneCompiler::compile_measures() {
   return {};
 }
 
-std::string SceneCompiler::simulation_key() const {
+/// Whether a key is about grains alone. How often they are brought up to date is kept with what carries them.
+bool is_about_grains(const std::string& key) {
+  return key.starts_with("body.") && key.find(".sub_particles.") != std::string::npos && !key.ends_with(".travel");
+}
+
+std::string SceneCompiler::key_of(Inputs what) const {
   std::string inputs = fmt::format("{} {}\n", simulation_build(), isa_name(m_options.isa));
   for (const shots::FlatKey& key : shots::flatten(m_shot)) {
-    if (key.effect == shots::Effect::simulation)
+    if (key.effect == shots::Effect::simulation && (what == Inputs::all || !is_about_grains(key.key)))
       inputs += key.key + "=" + key.value + "\n";
   }
   const fem::FemOutputs& outputs = m_plan.sim.fem.outputs;
@@ -376,6 +386,8 @@ std::string SceneCompiler::simulation_key() const {
       fmt::format("frames hold {:d}{:d}{:d}\n", outputs.reactions, outputs.point_rotations, outputs.curvature_energy);
   for (const Asset& asset : m_plan.assets)
     inputs += asset.sha256 + "\n";
+  for (const Asset& asset : m_grain_assets)
+    inputs += what == Inputs::all ? asset.sha256 + "\n" : std::string();
   return sha256_of_bytes(inputs);
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "sim/fem/fem_simulation.h"
+#include "sim/mpm/grains/sub_particles.h"
 #include "sim/mpm/mpm_simulation.h"
 
 namespace wry::pipeline {
@@ -63,6 +64,38 @@ constexpr std::uint64_t MICROPOLAR_BYTES_PER_TET = 4500;
 constexpr double MPM_SECONDS_PER_PARTICLE_STEP = 1.5e-7;
 constexpr std::uint64_t MPM_BYTES_PER_PARTICLE_BESIDES = 250;
 
+/// What a grid takes on the disk each time that it is kept: nodes about the matter, 16 bytes each and some for blocks.
+double bytes_of_fields(const mpm::MpmPlan& plan) {
+  constexpr double NODES_PER_CELL = 2.0, BYTES_PER_NODE = 17.0;
+  const double cell = plan.settings.cell * plan.settings.cell * plan.settings.cell;
+  double cells = 0.0;
+  for (const mpm::MpmBody& body : plan.bodies)
+    cells += static_cast<double>(body.positions->rows()) * body.particle_volume / cell;
+  return NODES_PER_CELL * BYTES_PER_NODE * cells;
+}
+
+/// When grains are brought forward, and what it takes to have others.
+void describe_grains(ScenePlan& plan) {
+  const mpm::MpmPlan& mpm = plan.sim.mpm;
+  const bool any = std::any_of(mpm.bodies.begin(), mpm.bodies.end(),
+                               [](const mpm::MpmBody& body) { return body.sub_particles.has_value(); });
+  if (!any) {
+    plan.left_out.push_back({"grains", "no body with sub_particles: none are made or followed"});
+    return;
+  }
+  plan.runs.push_back(
+      {"grains", "sub_particles: brought forward with the grid of some steps, as often as travel says"});
+  const std::string size =
+      fmt::format("{:.2g} MB or more each time, several times a frame", 1e-6 * bytes_of_fields(mpm));
+  if (mpm.settings.keep_fields)
+    plan.runs.push_back({"fields of grains", "mpm.keep_fields: the grid that carries grains is kept, " + size +
+                                                 "; other grains are then made without simulating"});
+  else
+    plan.left_out.push_back({"fields of grains", "no mpm.keep_fields: other grains (number, seed, shape, size) take "
+                                                 "another simulation; it would keep " +
+                                                     size});
+}
+
 /// Which methods run, and that nothing couples them.
 void describe_methods(ScenePlan& plan) {
   const mpm::MpmPlan& mpm = plan.sim.mpm;
@@ -93,6 +126,7 @@ void describe_methods(ScenePlan& plan) {
          "no [[collider]]: no node is looked at");
   decide(!mpm.held.empty(), "held space", "[[fixed]] and [[drive]] on a body of particles",
          "no [[fixed]] or [[drive]] on a body of particles");
+  describe_grains(plan);
   decide(!mpm.sources.empty(), "sources", "a body with source", "no body with source: no particle is added");
   if (plan.sim.fem.bodies.empty())
     plan.left_out.push_back({"fem", "no solid: no elements, no linear solver"});
@@ -123,6 +157,9 @@ void add_cost_of_particles(const ScenePlan& plan, CostEstimate& cost) {
     particles += static_cast<double>(report.particles);
     cost.memory_bytes += report.particles * (2 * report.bytes_per_particle + MPM_BYTES_PER_PARTICLE_BESIDES);
     cost.bytes_per_frame += report.particles * (24 + 12 + 4);
+    if (body.sub_particles)
+      cost.bytes_per_frame += report.particles * static_cast<std::uint64_t>(body.sub_particles->per_particle) *
+                              mpm::BYTES_PER_GRAIN_AND_FRAME;
     const std::uint64_t scalar = mpm.settings.precision == mpm::Precision::f32 ? 4 : 8;
     cost.bytes_per_checkpoint += report.particles * report.bytes_per_particle * (8 / scalar);
   }

@@ -38,6 +38,24 @@ TEST(Grains, EveryShapeIsDrawnAndCoversTheSameHeap) {
   }
 }
 
+TEST(Grains, OfAnArtistMeshThatIsABoxLookLikeBricks) {
+  MeshScene scene = testing::heap(1500, {GrainShape::brick, Vec3(1, 2, 4)}, "straw");
+  const RenderPlan plan = testing::small_plan(scene);
+  const Result<Image> bricks = drawn(plan, scene);
+  ASSERT_TRUE(bricks.ok()) << bricks.error().message;
+  const geometry::SurfaceMesh box = testing::box(Vec3::Zero(), Vec3::Ones());
+  SceneBody& body = scene.scene.bodies[0];
+  body.grain.shape = GrainShape::mesh;
+  body.rest_positions = box.vertices;
+  body.triangles = box.triangles;
+  const Result<Image> meshes = drawn(plan, scene);
+  ASSERT_TRUE(meshes.ok()) << meshes.error().message;
+  std::size_t apart = 0;
+  for (std::size_t i = 0; i < bricks->pixels.size(); ++i)
+    apart += std::abs(static_cast<int>(bricks->pixels[i]) - static_cast<int>(meshes->pixels[i])) > 24 ? 1 : 0;
+  EXPECT_LT(apart, bricks->pixels.size() / 100);
+}
+
 TEST(Grains, ThoseHiddenBehindOthersAreNotMissed) {
   const MeshScene scene = testing::heap(60'000, {GrainShape::rod, Vec3(1, 1, 10)}, "straw");
   RenderPlan plan = testing::small_plan(scene);
