@@ -60,6 +60,7 @@ private:
   template <class Simulation> Status advance(Simulation& simulation, int frame, Progress& progress);
   Status keep_frame(int frame);
   Frame snapshot(int frame) const;
+  Frame simulated_bodies(int frame) const;
   Status write_checkpoint(int frame);
   Result<SceneStatic> whole_scene() const;
 
@@ -185,6 +186,12 @@ Status SimulationRun::start() {
 }
 
 Frame SimulationRun::snapshot(int frame) const {
+  Frame whole = simulated_bodies(frame);
+  add_collider_poses(m_plan.sim, whole);
+  return whole;
+}
+
+Frame SimulationRun::simulated_bodies(int frame) const {
   Frame whole;
   if (m_solids)
     whole = m_solids->snapshot(frame);
@@ -195,7 +202,6 @@ Frame SimulationRun::snapshot(int frame) const {
     for (FrameBody& body : particles.bodies)
       whole.bodies.push_back(std::move(body));
   }
-  add_collider_poses(m_plan.sim, whole);
   return whole;
 }
 
@@ -343,11 +349,12 @@ Status SimulationRun::make_grains_of_frame(int frame, const FrameCache& before) 
   Result<Frame> was = before.read_frame(frame);
   if (!was)
     return was.error();
-  Frame now = snapshot(frame);
+  Frame now = simulated_bodies(frame);
   const std::size_t matter = m_plan.sim.fem.bodies.size() + m_plan.sim.mpm.bodies.size();
   for (std::size_t body = 0; body < matter; ++body)
     now.bodies[body] = std::move(was->bodies[body]);
   now.time = was->time;
+  add_collider_poses(m_plan.sim, now);
   ++m_outcome.frames_written;
   return m_cache.write_frame(now);
 }
