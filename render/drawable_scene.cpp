@@ -146,6 +146,13 @@ Result<std::vector<std::array<float, 3>>> velocities_of(const SceneBody& body, c
   return rows;
 }
 
+/// Where creases and normals are found: the mesh of a grain at the size of its grains.
+Points drawn_rest(const SceneBody& body) {
+  if (body.kind == BodyKind::particles)
+    return body.rest_positions * body.grain.size.asDiagonal();
+  return body.rest_positions;
+}
+
 } // namespace
 
 Status DrawableScene::add_body(const RenderPlan& plan, const SceneBody& body, std::uint32_t look) {
@@ -168,7 +175,7 @@ Status DrawableScene::add_body(const RenderPlan& plan, const SceneBody& body, st
     m_has_clouds = true;
   }
   if (body.triangles.rows() > 0)
-    made.surface = split_at_creases(body.rest_positions, body.triangles, CREASE_DEGREES);
+    made.surface = split_at_creases(drawn_rest(body), body.triangles, CREASE_DEGREES);
   if (body.kind == BodyKind::surface) {
     made.tet_of_triangle = tets_of_triangles(body, made.surface);
     m_triangle_count += made.surface.triangles.rows();
@@ -280,7 +287,7 @@ Status DrawableScene::append_cloud(const Frame& frame, std::size_t index, const 
 void DrawableScene::append_mesh_grains(const GrainCloud& cloud, std::size_t index, DrawList& list) const {
   const SceneBody& body = m_scene.bodies[index];
   const SplitSurface& surface = m_bodies[index].surface;
-  const Points normals = smooth_normals(surface, body.rest_positions);
+  const Points normals = smooth_normals(surface, drawn_rest(body)) * body.grain.size.asDiagonal();
   const bool in_threes = list.in_threes;
   const std::uint32_t body_bits = (static_cast<std::uint32_t>(index) + 1u) << 8;
   for (const DrawGrain& grain : cloud.grains) {

@@ -20,7 +20,7 @@ Located<std::string> bind_path(const Reader& reader, const std::string& key, con
 Material bind_material(const Reader& reader, const std::string& name);
 /// The keys of the material point method.
 Matter bind_matter(const Reader& reader);
-ParticleBody bind_particles(const Reader& reader);
+ParticleBody bind_particles(const Reader& reader, const std::string& directory);
 MpmOptions bind_mpm(const Reader& reader);
 RenderOptions bind_render(const Reader& reader);
 Drive bind_drive(const Reader& reader, Axis up);

@@ -93,7 +93,7 @@ Body bind_body(const Reader& reader, const std::string& directory) {
   body.shape = bind_shape(reader, directory);
   bind_placement(reader, body);
   body.velocity = reader.vector("velocity");
-  body.particles = bind_particles(reader);
+  body.particles = bind_particles(reader, directory);
   body.rest_rotation = bind_components(reader.child("rest_rotation"));
   if (reader.has("shell")) {
     const Reader shell = reader.child("shell");

@@ -33,8 +33,11 @@ ColliderShape bind_collider_shape(const Reader& reader, const std::string& direc
     const Reader cylinder = reader.child("cylinder");
     return CylinderShape{cylinder.number("radius"), cylinder.number("height")};
   }
-  return ColliderMeshShape{bind_path(reader, "mesh", directory), reader.optional_text("node"),
-                           reader.number("thickness")};
+  ColliderMeshShape mesh{bind_path(reader, "mesh", directory), reader.optional_text("node"), reader.number("thickness"),
+                         std::nullopt};
+  if (reader.has("sequence"))
+    mesh.sequence = bind_path(reader, "sequence", directory);
+  return mesh;
 }
 
 } // namespace

@@ -84,7 +84,7 @@ std::optional<ReorientLimit> bind_limit(const Reader& reorient, const char* key)
   return reorient.has(key) ? std::optional(limit) : std::nullopt;
 }
 
-SubParticleOptions bind_grains(const Reader& reader) {
+SubParticleOptions bind_grains(const Reader& reader, const std::string& directory) {
   using F = GrainForm;
   SubParticleOptions grains;
   grains.source = reader.source();
@@ -95,7 +95,11 @@ SubParticleOptions bind_grains(const Reader& reader) {
                                             {"coin", F::coin},
                                             {"brick", F::brick},
                                             {"sphere", F::sphere}});
-  grains.size = reader.vector("size");
+  if (reader.has("mesh")) {
+    grains.mesh = bind_path(reader, "mesh", directory);
+  }
+  grains.mesh_along = reader.choice<std::size_t>("mesh_along", {{"x", 0}, {"y", 1}, {"z", 2}});
+  grains.size = reader.optional_vector("size");
   grains.size_variation = reader.number("size_variation");
   grains.spread_deg = reader.number("spread_deg");
   grains.seed = reader.integer("seed");
@@ -142,8 +146,10 @@ Matter bind_matter(const Reader& reader) {
     matter.shear_modulus = moduli;
   }
   bind_maps(reader, matter);
-  matter.frame = reader.choice<MaterialFrame>(
-      "frame", {{"auto", MaterialFrame::automatic}, {"polar", MaterialFrame::polar}, {"shape", MaterialFrame::shape}});
+  matter.frame = reader.choice<MaterialFrame>("frame", {{"auto", MaterialFrame::automatic},
+                                                        {"polar", MaterialFrame::polar},
+                                                        {"shape", MaterialFrame::shape},
+                                                        {"fixed", MaterialFrame::fixed}});
   matter.measure = reader.choice<StrainMeasure>(
       "strain_measure",
       {{"auto", StrainMeasure::automatic}, {"hencky", StrainMeasure::hencky}, {"biot", StrainMeasure::biot}});
@@ -164,7 +170,7 @@ Matter bind_matter(const Reader& reader) {
   return matter;
 }
 
-ParticleBody bind_particles(const Reader& reader) {
+ParticleBody bind_particles(const Reader& reader, const std::string& directory) {
   ParticleBody particles;
   if (reader.has("region")) {
     const Reader region = reader.child("region");
@@ -180,7 +186,7 @@ ParticleBody bind_particles(const Reader& reader) {
     particles.repeat = ParticleSource{source.source(), source.number("every"), source.number("until")};
   }
   if (reader.has("sub_particles")) {
-    particles.grains = bind_grains(reader.child("sub_particles"));
+    particles.grains = bind_grains(reader.child("sub_particles"), directory);
   }
   return particles;
 }
@@ -198,6 +204,7 @@ MpmOptions bind_mpm(const Reader& reader) {
   mpm.time_step = reader.optional_number("time_step");
   mpm.courant = reader.number("courant");
   mpm.max_deformation = reader.number("max_deformation");
+  mpm.keep_fields = reader.boolean("keep_fields");
   if (reader.has("semi_implicit")) {
     const Reader semi = reader.child("semi_implicit");
     mpm.semi_implicit = SemiImplicitOptions{semi.number("courant"), semi.number("implicitness"), semi.number("damping"),

@@ -138,7 +138,8 @@ Measure bind_measure(const Reader& reader) {
                                            {"second_moment", K::second_moment},
                                            {"largest_fragment", K::largest_fragment},
                                            {"grains_inside", K::grains_inside},
-                                           {"grain_hover", K::grain_hover}});
+                                           {"grain_hover", K::grain_hover},
+                                           {"crossings", K::crossings}});
   measure.body = reader.text("body");
   if (const auto axis = reader.optional_text("axis")) {
     measure.axis = Located<Axis>(axis_of(**axis), axis->source);

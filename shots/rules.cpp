@@ -112,6 +112,10 @@ private:
         refuse(shares.source, fmt::format(": the shares sum to {:.6g}; expected 1", shares->sum()));
       }
     }
+    if (particles.grains && !particles.grains->mesh && !particles.grains->size) {
+      refuse(below(particles.grains->source, "size"),
+             " is missing: give the lengths of a grain along the material's x, y, z in m, or a mesh that has them");
+    }
     if (particles.repeat && particles.grains) {
       refuse(particles.grains->source, ": a source has no sub_particles in this build; remove one of the two");
     }
@@ -203,6 +207,12 @@ private:
     }
     if (!mesh && *collider.motion.from == MotionFrom::file) {
       refuse(collider.motion.from.source, " = \"file\": only a mesh has a file to take its motion from");
+    }
+    if (mesh && mesh->sequence && mesh->node) {
+      refuse(mesh->node->source, ": a sequence moves all of the file; remove node");
+    }
+    if (mesh && mesh->sequence && *collider.motion.from == MotionFrom::file) {
+      refuse(collider.motion.from.source, " = \"file\": the mesh moves by its sequence; remove one of them");
     }
     if (*collider.motion.from == MotionFrom::file && !collider.motion.keys.empty()) {
       refuse(collider.motion.keys.front().source, ": motion = \"file\" takes no keys; remove one of them");

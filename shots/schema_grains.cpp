@@ -4,10 +4,12 @@ namespace wry::shots {
 namespace {
 
 /// A table that is not there unless it is given.
-Field optional_table(const char* key, std::vector<Field> fields, std::string doc, const char* absent) {
+Field optional_table(const char* key, std::vector<Field> fields, std::string doc, const char* absent,
+                     std::vector<OneOf> one_of = {}) {
   Section section;
   section.doc = doc;
   section.fields = std::move(fields);
+  section.one_of = std::move(one_of);
   return nested(key, Kind::table, std::move(section), std::move(doc)).default_is(absent);
 }
 
@@ -51,9 +53,16 @@ Field sub_particles_field() {
                {"sphere", "", ""}},
               "How a grain is drawn; its length, or a card's normal, is along the fibre.")
            .standard("rod"),
-       numbers("size", 3, "m", length, "Of a grain along the material's x, y, z; z is the fibre, or a card's normal.")
+       plain("mesh", Kind::path, "An artist mesh (obj, ply, stl, gltf, glb, fbx, ...) that every grain is drawn as.")
+           .default_is("none: the shape"),
+       choice("mesh_along", {{"x", "", ""}, {"y", "", ""}, {"z", "", ""}},
+              "The axis of the mesh's file that is laid along the fibre, or a card's normal.")
+           .standard("z"),
+       numbers(
+           "size", 3, "m", length,
+           "Of a grain along the material's x, y, z; z is the fibre, or a card's normal. A mesh is stretched to it.")
            .called("lengths")
-           .required(),
+           .default_is("that of the mesh, in m; a shape needs it"),
        number("size_variation", "", between(0.0, 1.0), "Standard deviation of the size, relative.")
            .called("number")
            .standard(0.15),
@@ -75,7 +84,7 @@ Field sub_particles_field() {
            .called("number")
            .standard(0.25)},
       "Grains that are drawn in place of the particles: they follow the matter and do not act on it.",
-      "none: particles are drawn as spheres");
+      "none: particles are drawn as spheres", {{{{"shape"}, {"mesh", "mesh_along"}}, false, "form"}});
 }
 
 } // namespace wry::shots

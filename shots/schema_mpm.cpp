@@ -163,7 +163,8 @@ std::vector<Field> mpm_material_fields() {
       choice("frame",
              {{"auto", "polar when it does not yield, else shape", ""},
               {"polar", "the rotation of the elastic deformation", ""},
-              {"shape", "turned along with the particle's neighbourhood", ""}},
+              {"shape", "turned along with the particle's neighbourhood", ""},
+              {"fixed", "not at all, however the matter turns: to see what frames do", ""}},
              "How the material's axes turn.")
           .standard("auto"),
       choice("strain_measure",
@@ -230,6 +231,10 @@ Section mpm_section() {
           .called("number")
           .standard(0.3),
       semi_implicit_field(),
+      boolean("keep_fields",
+              "Keeps, beside the frames, the grid that carries grains at each of their updates, so that sub_particles "
+              "of another number, seed, shape or size are made again without simulating.")
+          .standard(false),
   };
   return section;
 }

@@ -126,6 +126,10 @@ Section collider_section() {
       number("thickness", "m", at_least_zero(1e9), "Of an open mesh; grid methods feel at least a cell.")
           .called("thickness")
           .standard(0.0),
+      plain("sequence", Kind::path,
+            "The mesh over time: a PC2 point cache of it, or numbered meshes of the same topology "
+            "(\"wave.####.obj\"). Frame f of the shot is frame f of the sequence; straight between frames.")
+          .default_is("none: it does not deform"),
   };
   const std::vector<Field> behaviour = {
       number("friction", "", at_least_zero(1e6), "Coulomb's coefficient.").called("coefficient").standard(0.5),
@@ -201,6 +205,10 @@ Section measure_section() {
            {"grains_inside", "of sub_particles: how many have their centre inside a collider as it is drawn", ""},
            {"grain_hover",
             "of sub_particles: gap between those at rest, with no other beneath them, and the colliders, of 99 % [m]",
+            ""},
+           {"crossings",
+            "of solids: how many edges cut or touch triangles, of the body with itself and with other solids, exactly; "
+            "with where: those that have such a node",
             ""}},
           "What is measured.")
           .required(),

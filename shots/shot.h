@@ -227,6 +227,8 @@ struct ColliderMeshShape {
   Located<std::string> path;
   std::optional<Located<std::string>> node;
   Located<double> thickness; ///< of an open mesh [m]
+  /// The mesh over time: a PC2 point cache, or numbered meshes ("wave.####.obj").
+  std::optional<Located<std::string>> sequence;
 };
 using ColliderShape = std::variant<PlaneShape, OpenBoxShape, SphereShape, CylinderShape, ColliderMeshShape>;
 
@@ -479,7 +481,8 @@ enum class MeasureKind {
   curvature_error,
   rotation_interpolation_error,
   curve_radius,
-  curve_pitch
+  curve_pitch,
+  crossings
 };
 /// Whether a kind is measured along or about an axis, which must then be given.
 bool needs_axis(MeasureKind kind);

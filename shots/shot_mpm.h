@@ -27,7 +27,7 @@ struct PerAxis {
 
 enum class Elasticity { linear, hencky, fixed_corotated };
 enum class Plasticity { none, snow, drucker_prager, shear };
-enum class MaterialFrame { automatic, polar, shape };
+enum class MaterialFrame { automatic, polar, shape, fixed };
 enum class StrainMeasure { automatic, hencky, biot };
 enum class PlasticFlow { fictitious, isochoric };
 
@@ -47,8 +47,10 @@ enum class GrainForm { rod, straw, card, coin, brick, sphere };
 struct SubParticleOptions {
   Source source;
   Located<std::int64_t> per_particle;
-  Located<GrainForm> shape;
-  Located<Vec3> size; ///< [m]
+  Located<GrainForm> shape;                 ///< unless there is a mesh
+  std::optional<Located<std::string>> mesh; ///< an artist's
+  Located<std::size_t> mesh_along;          ///< which axis of the mesh's file lies along the fibre
+  std::optional<Located<Vec3>> size;        ///< [m]; absent: the mesh's own
   Located<double> size_variation, spread_deg;
   Located<std::int64_t> seed;
   Located<double> escape_density, capture_density, travel;
@@ -145,6 +147,7 @@ struct MpmOptions {
   Located<ParticleSampling> sampling;
   std::optional<Located<double>> time_step; ///< [s]
   Located<double> courant, max_deformation;
+  Located<bool> keep_fields;                        ///< that carry grains
   std::optional<SemiImplicitOptions> semi_implicit; ///< absent: explicit steps
 };
 

@@ -1,6 +1,5 @@
 #include "pipeline/assets/point_cache.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -21,17 +20,7 @@ template <class T> T number_at(const std::string& bytes, std::size_t offset) {
 
 } // namespace
 
-Points DeformingSurface::at(double frame) const {
-  const double place =
-      std::clamp((frame - first_frame) / frames_per_sample, 0.0, static_cast<double>(samples.size() - 1));
-  const auto before = static_cast<std::size_t>(place);
-  const std::size_t after = std::min(before + 1, samples.size() - 1);
-  const double part = place - static_cast<double>(before);
-  return (1.0 - part) * samples[before] + part * samples[after];
-}
-
-Result<DeformingSurface> read_point_cache(const std::filesystem::path& path, geometry::SurfaceMesh mesh,
-                                          double metres_per_unit) {
+Result<PointCache> read_point_cache(const std::filesystem::path& path, Eigen::Index vertices) {
   std::error_code ignored;
   if (const std::uintmax_t size = std::filesystem::file_size(path, ignored); !ignored && size > MOST_CACHE_BYTES)
     return make_error(ErrorCode::bad_input, "{}: {} bytes, at most {} are read", path.string(), size, MOST_CACHE_BYTES);
@@ -42,34 +31,32 @@ Result<DeformingSurface> read_point_cache(const std::filesystem::path& path, geo
     return make_error(ErrorCode::bad_input, "{}: this is no PC2 point cache of version 1", path.string());
   const auto points = static_cast<std::int64_t>(number_at<std::int32_t>(*bytes, 16));
   const auto samples = static_cast<std::int64_t>(number_at<std::int32_t>(*bytes, 28));
-  DeformingSurface surface;
-  surface.first_frame = number_at<float>(*bytes, 20);
-  surface.frames_per_sample = number_at<float>(*bytes, 24);
-  if (points < 1 || points != mesh.vertices.rows())
+  PointCache cache;
+  cache.first_frame = number_at<float>(*bytes, 20);
+  cache.frames_per_sample = number_at<float>(*bytes, 24);
+  if (points < 1 || points != vertices)
     return make_error(ErrorCode::bad_input,
                       "{}: moves {} points, the mesh has {}; export both from the same object, "
                       "without modifiers that change the topology",
-                      path.string(), points, mesh.vertices.rows());
-  const bool sane = samples >= 1 && std::isfinite(surface.first_frame) && surface.frames_per_sample > 0.0 &&
-                    std::isfinite(surface.frames_per_sample);
+                      path.string(), points, vertices);
+  const bool sane = samples >= 1 && std::isfinite(cache.first_frame) && cache.frames_per_sample > 0.0 &&
+                    std::isfinite(cache.frames_per_sample);
   if (!sane ||
       (bytes->size() - HEADER_BYTES) / 12 / static_cast<std::uint64_t>(points) < static_cast<std::uint64_t>(samples))
     return make_error(ErrorCode::bad_input, "{}: says {} samples of {} points every {} frames, but has {} bytes",
-                      path.string(), samples, points, surface.frames_per_sample, bytes->size());
+                      path.string(), samples, points, cache.frames_per_sample, bytes->size());
   for (std::int64_t sample = 0; sample < samples; ++sample) {
     Points positions(points, 3);
     for (std::int64_t i = 0; i < positions.size(); ++i) {
       const std::size_t offset = HEADER_BYTES + static_cast<std::size_t>(sample * points * 3 + i) * sizeof(float);
-      positions.data()[i] = metres_per_unit * static_cast<double>(number_at<float>(*bytes, offset));
+      positions.data()[i] = static_cast<double>(number_at<float>(*bytes, offset));
       if (!std::isfinite(positions.data()[i]))
         return make_error(ErrorCode::bad_input, "{}: sample {}, point {}: a coordinate is no number", path.string(),
                           sample, i / 3);
     }
-    surface.samples.push_back(std::move(positions));
+    cache.samples.push_back(std::move(positions));
   }
-  mesh.vertices = surface.samples.front();
-  surface.mesh = std::move(mesh);
-  return surface;
+  return cache;
 }
 
 } // namespace wry::pipeline

@@ -242,6 +242,39 @@ Result<std::string> encode_checkpoint(const Checkpoint& checkpoint, const std::s
   return file.finish();
 }
 
+namespace {
+
+ArrayType narrowest(const std::vector<double>& values) {
+  const bool fits = std::all_of(values.begin(), values.end(),
+                                [](double v) { return static_cast<double>(static_cast<float>(v)) == v; });
+  return fits ? ArrayType::float32 : ArrayType::float64;
+}
+
+} // namespace
+
+Result<std::string> encode_fields(const StateArchive& fields, const std::string& key) {
+  Hdf5ImageWriter file(Compression::none);
+  write_header(file, "wry fields", key);
+  file.group("/arrays");
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const std::string path = fmt::format("/arrays/{:04}", i);
+    file.array(path, fields[i].shape, fields[i].values, narrowest(fields[i].values));
+    file.attribute(path, "name", fields[i].name);
+  }
+  return file.finish();
+}
+
+Result<StateArchive> decode_fields(std::string bytes, const std::string& name) {
+  Hdf5ImageReader file(std::move(bytes), name);
+  check_header(file, "wry fields");
+  StateArchive fields;
+  for (const std::string& member : file.members("/arrays")) {
+    const std::string path = "/arrays/" + member;
+    fields.push_back(NamedArray{file.text(path, "name"), file.facts(path).shape, file.doubles(path)});
+  }
+  return whole(file, std::move(fields));
+}
+
 Result<Checkpoint> decode_checkpoint(std::string bytes, const std::string& name) {
   Hdf5ImageReader file(std::move(bytes), name);
   check_header(file, "wry checkpoint");

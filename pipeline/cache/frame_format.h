@@ -31,4 +31,8 @@ Result<SceneStatic> decode_static(std::string bytes, const std::string& name);
 Result<std::string> encode_checkpoint(const Checkpoint& checkpoint, const std::string& key);
 Result<Checkpoint> decode_checkpoint(std::string bytes, const std::string& name);
 
+/// Arrays of what carried grains up to a frame, likewise; each is float32 where that keeps every bit.
+Result<std::string> encode_fields(const StateArchive& fields, const std::string& key);
+Result<StateArchive> decode_fields(std::string bytes, const std::string& name);
+
 } // namespace wry::pipeline

@@ -38,7 +38,10 @@ void print_totals(const ScenePlan& plan, const SimulateOutcome& outcome) {
     fmt::print("{}: all {} frames were there already\n", plan.name, outcome.frames_kept);
     return;
   }
-  fmt::print("{}: {} frames simulated in {}{}\n", plan.name, outcome.frames_written,
+  fmt::print("{}: {} frames {} in {}{}\n", plan.name, outcome.frames_written,
+             outcome.what == SimulateOutcome::What::grains
+                 ? "given other grains from the fields that were kept, without simulating,"
+                 : "simulated",
              human_duration(outcome.wall_seconds),
              outcome.resumed_from > 0 ? fmt::format(", resumed from frame {}", outcome.resumed_from) : "");
   if (totals.steps > 0)
@@ -72,6 +75,7 @@ nlohmann::json spent(const StepTotals& totals) {
                           {"scatter_ms", totals.particles.scatter_ms},
                           {"grid_ms", totals.particles.grid_ms},
                           {"gather_ms", totals.particles.gather_ms},
+                          {"grains_ms", totals.particles.grains_ms},
                           {"total_ms", totals.particles.total_ms}};
   return spent;
 }

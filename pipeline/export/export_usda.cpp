@@ -70,7 +70,7 @@ public:
     if (!points)
       return points.error();
     m_count = points->positions.rows();
-    if (!m_body.simulated) {
+    if (!m_body.simulated && find_channel(state, "position") == nullptr) {
       add_transform(frame, state);
       return {};
     }
@@ -131,10 +131,10 @@ private:
 
   /// Faces and rest points of a mesh, without the braces.
   std::string mesh_attributes() const {
-    return fmt::format(
-        "int[] faceVertexCounts = {}\n            int[] faceVertexIndices = {}\n            point3f[] points = "
-        "{}",
-        repeated("3", m_body.triangles.rows()), indices(m_body.triangles), vectors(m_body.rest_positions));
+    return fmt::format("int[] faceVertexCounts = {}\n            int[] faceVertexIndices = {}\n            "
+                       "uniform token subdivisionScheme = \"none\"\n            point3f[] points = {}",
+                       repeated("3", m_body.triangles.rows()), indices(m_body.triangles),
+                       vectors(m_body.rest_positions));
   }
 
   void add_transform(const Frame& frame, const FrameBody& state) {
@@ -160,7 +160,7 @@ private:
     prim += fmt::format("        int[] faceVertexCounts = {}\n        int[] faceVertexIndices = {}\n",
                         repeated("3", m_body.triangles.rows()), indices(m_body.triangles));
     prim += "        uniform token subdivisionScheme = \"none\"\n        uniform token orientation = \"rightHanded\"\n";
-    if (m_body.simulated)
+    if (m_body.simulated || !m_points.values.empty())
       return prim + m_points.text() + m_velocities.text() + m_extents.text() + "    }\n";
     prim += "        point3f[] points = " + vectors(m_body.rest_positions) + "\n";
     prim += m_transforms.text() + "        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n";

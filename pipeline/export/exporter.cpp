@@ -12,7 +12,7 @@ namespace {
 constexpr std::array EXPORTERS = {
     Exporter{"ply", "a file per body and frame: points or mesh with ids, velocity, orientation and scalars",
              export_ply},
-    Exporter{"obj", "a mesh file per body and frame", export_obj},
+    Exporter{"obj", "a mesh file per body and frame; grains of an artist mesh all in one", export_obj},
     Exporter{"vdb", "a file per frame: level sets of meshes, density and velocity of particles", export_vdb},
     Exporter{"usda", "one USD file: time-sampled meshes, point instancers with orientations, moving colliders",
              export_usda},

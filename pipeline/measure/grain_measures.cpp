@@ -34,14 +34,15 @@ struct DrawnColliders::Surface {
   std::shared_ptr<const scene::Collider> collider;
   std::unique_ptr<geometry::ClosestPointTree> tree;          ///< of closed meshes
   std::unique_ptr<const scene::DistanceBounds> lower_bounds; ///< of the distance to `tree`
-  std::optional<scene::ColliderField> field;                 ///< of shapes that are exact by formula
+  std::optional<scene::ColliderField> field;                 ///< of shapes exact by formula, meshes that deform
   scene::ObstacleBounds bounds;
 
-  double distance(const Vec3& at_rest, double reach) const {
+  /// `now`: of what deforms, as it is at the time.
+  double distance(const Vec3& at_rest, double reach, const scene::ColliderField* now) const {
     const Vec3 beyond = (bounds.low - at_rest).cwiseMax(at_rest - bounds.high);
     if (beyond.maxCoeff() > reach || (lower_bounds && lower_bounds->at(at_rest) > reach))
       return FAR;
-    return tree ? tree->signed_distance(at_rest) : field->distance({}, at_rest);
+    return tree ? tree->signed_distance(at_rest) : (now != nullptr ? *now : *field).distance({}, at_rest);
   }
 };
 
@@ -50,7 +51,7 @@ DrawnColliders::DrawnColliders(std::vector<std::shared_ptr<const scene::Collider
     auto surface = std::make_unique<Surface>();
     surface->bounds = scene::obstacle_bounds(collider->shape);
     const auto* mesh = std::get_if<scene::MeshObstacle>(&collider->shape);
-    if (mesh != nullptr && mesh->closed) {
+    if (mesh != nullptr && mesh->closed && !mesh->sequence) {
       constexpr double CUBES_ALONG_DIAGONAL = 150.0;
       surface->tree = std::make_unique<geometry::ClosestPointTree>(*mesh->mesh);
       const scene::ObstacleBounds& box = surface->bounds;
@@ -76,19 +77,27 @@ class DrawnColliders::At {
 public:
   At(const DrawnColliders& colliders, double time)
       : m_colliders(colliders) {
-    for (const auto& surface : colliders.m_surfaces)
+    for (const auto& surface : colliders.m_surfaces) {
       m_poses.push_back(surface->collider->motion.pose(time));
+      m_deformed.emplace_back();
+      if (surface->collider->sequence() == nullptr)
+        continue;
+      m_deformed.back() = surface->field;
+      m_deformed.back()->deform_to(time);
+    }
   }
   double distance(const Vec3& point, double reach) const {
     double nearest = FAR;
     for (std::size_t i = 0; i < m_poses.size(); ++i)
-      nearest = std::min(nearest, m_colliders.m_surfaces[i]->distance(m_poses[i].apply_inverse(point), reach));
+      nearest = std::min(nearest, m_colliders.m_surfaces[i]->distance(m_poses[i].apply_inverse(point), reach,
+                                                                      m_deformed[i] ? &*m_deformed[i] : nullptr));
     return nearest;
   }
 
 private:
   const DrawnColliders& m_colliders;
   std::vector<scene::Pose> m_poses;
+  std::vector<std::optional<scene::ColliderField>> m_deformed; ///< of those that deform
 };
 
 double grains_inside(const MeasurePlan& plan, const SceneStatic& scene, const Frame& frame) {

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "pipeline/measure/crossing_measures.h"
 #include "pipeline/measure/fibre_measures.h"
 #include "pipeline/measure/grain_measures.h"
 #include "pipeline/measure/pile_measures.h"
@@ -268,6 +269,8 @@ constexpr std::array MEASURE_FUNCTIONS = {
                     MeasuredOn::particles, nullptr, grains_inside},
     MeasureFunction{Kind::grain_hover, "grain_hover", "m", "gap below grains at rest, of 99 % of them",
                     MeasuredOn::particles, nullptr, grain_hover},
+    MeasureFunction{Kind::crossings, "crossings", "", "edges that cut triangles of the body itself or other solids",
+                    MeasuredOn::solids, nullptr, crossings},
 };
 
 } // namespace

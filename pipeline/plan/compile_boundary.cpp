@@ -119,6 +119,8 @@ Result<fem::DrivenNodes> compile_drive(const shots::Drive& drive, int body, cons
   if (drive.collider) {
     const auto named = std::find_if(colliders.begin(), colliders.end(),
                                     [&](const auto& collider) { return collider->name == **drive.collider; });
+    if ((*named)->sequence() != nullptr)
+      return at_source(drive.collider->source, cannot_follow(**drive.collider));
     driven.motion = (*named)->motion;
     return driven;
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "pipeline/assets/mesh_import.h"
+#include "pipeline/assets/mesh_sequence_import.h"
 #include "pipeline/assets/motion_import.h"
 #include "pipeline/cache/sha256.h"
 #include "pipeline/plan/compile_fem.h"
@@ -15,9 +16,10 @@ namespace {
 /// Compiles one collider, part by part.
 class ColliderCompiler {
 public:
-  ColliderCompiler(const shots::Collider& asked, shots::Axis up)
+  ColliderCompiler(const shots::Collider& asked, const shots::ShotSettings& shot)
       : m_asked(asked)
-      , m_up(up) {}
+      , m_shot(shot)
+      , m_up(*shot.up) {}
 
   Result<CompiledCollider> compile() {
     m_collider.name = *m_asked.name;
@@ -101,8 +103,40 @@ private:
     scene::MeshObstacle mesh;
     mesh.closed = imported->report.is_closed();
     mesh.thickness = *asked.thickness;
+    if (asked.sequence) {
+      if (Status status = follow_sequence(asked, options, *placed, imported->mesh, mesh); !status)
+        return at_source(asked.sequence->source, status.error());
+    }
     mesh.mesh = std::make_shared<const geometry::SurfaceMesh>(std::move(imported->mesh));
     m_collider.shape = std::move(mesh);
+    return {};
+  }
+
+  /// Where the mesh's vertices are over the shot's frames.
+  Status follow_sequence(const shots::ColliderMeshShape& asked, const MeshImportOptions& options,
+                         const scene::Similarity& placed, geometry::SurfaceMesh& mesh, scene::MeshObstacle& obstacle) {
+    MeshSequenceSource source;
+    source.mesh = *asked.path;
+    source.sequence = **asked.sequence;
+    source.placements = {{options.metres_per_unit, scene::up_rotation(options.up, options.scene_up), Vec3::Zero()},
+                         placed};
+    source.first_frame = m_shot.frames->first();
+    source.last_frame = m_shot.frames->last();
+    Result<ImportedMeshSequence> imported = import_mesh_sequence(source, mesh.vertices);
+    if (!imported)
+      return imported.error();
+    for (const std::string& file : imported->files) {
+      const Result<std::string> hash = sha256_of_file(file);
+      if (!hash)
+        return hash.error();
+      m_compiled.assets.push_back({file, *hash});
+    }
+    auto sequence = std::make_shared<scene::MeshSequence>();
+    sequence->samples = std::move(imported->samples);
+    sequence->first_time = (imported->first_frame - source.first_frame) / *m_shot.fps;
+    sequence->interval = imported->frames_per_sample / *m_shot.fps;
+    mesh.vertices = sequence->at(0.0);
+    obstacle.sequence = std::move(sequence);
     return {};
   }
 
@@ -139,6 +173,7 @@ private:
   }
 
   const shots::Collider& m_asked;
+  const shots::ShotSettings& m_shot;
   shots::Axis m_up;
   scene::Collider m_collider;
   CompiledCollider m_compiled;
@@ -146,8 +181,14 @@ private:
 
 } // namespace
 
-Result<CompiledCollider> compile_collider(const shots::Collider& collider, shots::Axis up) {
-  return ColliderCompiler(collider, up).compile();
+Result<CompiledCollider> compile_collider(const shots::Collider& collider, const shots::ShotSettings& shot) {
+  return ColliderCompiler(collider, shot).compile();
+}
+
+Error cannot_follow(const std::string& collider) {
+  return make_error(ErrorCode::bad_input,
+                    "collider '{}' deforms by its sequence, and a drive moves nodes as a whole; give the drive keys",
+                    collider);
 }
 
 Result<scene::Motion> compile_motion(const shots::Motion& motion) {

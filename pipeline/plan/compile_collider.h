@@ -18,8 +18,12 @@ struct CompiledCollider {
   std::vector<std::string> notes; ///< about its mesh, a sentence each
 };
 
-/// Places a collider, imports its mesh and its motion. Errors: bad_input with the key's line; missing_input for a file.
-Result<CompiledCollider> compile_collider(const shots::Collider& collider, shots::Axis up);
+/// Places a collider, imports its mesh, its motion and where its vertices are over the shot's frames. Errors: bad_input
+/// with the key's line; missing_input for a file.
+Result<CompiledCollider> compile_collider(const shots::Collider& collider, const shots::ShotSettings& shot);
+
+/// Why a drive cannot take the motion of a collider that deforms.
+Error cannot_follow(const std::string& collider);
 
 /// keys, pivot and ease of the shot as a motion. Errors: bad_input with the key's line.
 Result<scene::Motion> compile_motion(const shots::Motion& motion);

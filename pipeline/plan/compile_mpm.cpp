@@ -9,13 +9,12 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "pipeline/plan/compile_collider.h"
 #include "pipeline/plan/compile_fem.h"
+#include "pipeline/plan/compile_grains.h"
 #include "pipeline/plan/mesh_body.h"
 #include "pipeline/plan/particle_formulas.h"
 #include "sim/geometry/signed_distance.h"
 #include "sim/mpm/grains/sub_particles.h"
-#include "sim/mpm/matter/orientation.h"
 #include "sim/mpm/mpm_simulation.h"
 #include "sim/mpm/particle_sort.h"
 #include "sim/mpm/seeding.h"
@@ -25,128 +24,6 @@ namespace wry::pipeline {
 namespace {
 
 constexpr double RADIANS = std::numbers::pi / 180.0;
-
-mpm::Elasticity elasticity(shots::Elasticity law) {
-  switch (law) {
-  case shots::Elasticity::linear:
-    return mpm::Elasticity::linear;
-  case shots::Elasticity::hencky:
-    return mpm::Elasticity::hencky;
-  case shots::Elasticity::fixed_corotated:
-    return mpm::Elasticity::fixed_corotated;
-  }
-  return mpm::Elasticity::hencky;
-}
-
-mpm::Plasticity plasticity(shots::Plasticity law) {
-  switch (law) {
-  case shots::Plasticity::none:
-    return mpm::Plasticity::none;
-  case shots::Plasticity::snow:
-    return mpm::Plasticity::snow;
-  case shots::Plasticity::drucker_prager:
-    return mpm::Plasticity::drucker_prager;
-  case shots::Plasticity::shear:
-    return mpm::Plasticity::shear;
-  }
-  return mpm::Plasticity::none;
-}
-
-mpm::FrameMode frame_mode(shots::MaterialFrame frame) {
-  switch (frame) {
-  case shots::MaterialFrame::automatic:
-    return mpm::FrameMode::automatic;
-  case shots::MaterialFrame::polar:
-    return mpm::FrameMode::polar;
-  case shots::MaterialFrame::shape:
-    return mpm::FrameMode::shape;
-  }
-  return mpm::FrameMode::automatic;
-}
-
-mpm::StrainMeasure strain_measure(shots::StrainMeasure measure) {
-  switch (measure) {
-  case shots::StrainMeasure::automatic:
-    return mpm::StrainMeasure::automatic;
-  case shots::StrainMeasure::hencky:
-    return mpm::StrainMeasure::hencky;
-  case shots::StrainMeasure::biot:
-    return mpm::StrainMeasure::biot;
-  }
-  return mpm::StrainMeasure::automatic;
-}
-
-mpm::PerAxis per_axis(const shots::PerAxis& values) {
-  return {*values.values[0], *values.values[1], *values.values[2]};
-}
-
-mpm::Mandel mandel(const std::array<double, 36>& rows) {
-  return Eigen::Map<const mpm::Mandel>(rows.data());
-}
-
-/// An axis of the material as a limit: its modulus, the ratio of the plane normal to it, its scale.
-mpm::AxisLimits axis_of_material(const mpm::Material& material, std::size_t axis) {
-  const mpm::PerAxis& E = material.youngs_modulus;
-  const double nu[3] = {material.poisson_ratio.yz, material.poisson_ratio.xz, material.poisson_ratio.xy};
-  const std::size_t i = axis == 0 ? 1 : 0, j = axis == 2 ? 1 : 2;
-  return {E[axis], nu[axis] * std::sqrt(E[j] / E[i]), material.plastic_scale[axis]};
-}
-
-mpm::AxisLimits limit_of(const std::optional<shots::ReorientLimit>& given, const mpm::AxisLimits& otherwise) {
-  return given ? mpm::AxisLimits{*given->youngs_modulus, *given->poisson_ratio, *given->plastic_scale} : otherwise;
-}
-
-/// What is not given comes from the material's axes: z is along the grains, x across, and anywhere lies between.
-mpm::Reorientation reorientation_of(const shots::Reorient& asked, const mpm::Material& material) {
-  mpm::Reorientation grains;
-  grains.length_over_width = *asked.length_over_width;
-  grains.parallel = limit_of(asked.parallel, axis_of_material(material, 2));
-  grains.perpendicular = limit_of(asked.perpendicular, axis_of_material(material, 0));
-  const auto mean = [](double along, double across) { return std::cbrt(along * across * across); };
-  const mpm::AxisLimits between = {mean(grains.parallel.youngs_modulus, grains.perpendicular.youngs_modulus),
-                                   (grains.parallel.poisson_ratio + 2.0 * grains.perpendicular.poisson_ratio) / 3.0,
-                                   mean(grains.parallel.plastic_scale, grains.perpendicular.plastic_scale)};
-  grains.isotropic = limit_of(asked.isotropic, between);
-  return grains;
-}
-
-GrainShape grain_shape(shots::GrainForm form) {
-  switch (form) {
-  case shots::GrainForm::rod:
-    return GrainShape::rod;
-  case shots::GrainForm::straw:
-    return GrainShape::straw;
-  case shots::GrainForm::card:
-    return GrainShape::card;
-  case shots::GrainForm::coin:
-    return GrainShape::coin;
-  case shots::GrainForm::brick:
-    return GrainShape::brick;
-  case shots::GrainForm::sphere:
-    return GrainShape::sphere;
-  }
-  return GrainShape::rod;
-}
-
-/// Grains of a body; those of a material that reorients turn with the flow's stretch as well.
-mpm::SubParticleSettings grains_of(const shots::SubParticleOptions& asked, const shots::Body& body,
-                                   const mpm::Material& material) {
-  mpm::SubParticleSettings grains;
-  grains.name = *body.name + ".grains";
-  grains.look = body.look ? **body.look : std::string();
-  grains.per_particle = static_cast<int>(*asked.per_particle);
-  grains.shape = grain_shape(*asked.shape);
-  grains.size = *asked.size;
-  grains.size_variation = *asked.size_variation;
-  grains.tilt_degrees = *asked.spread_deg;
-  grains.seed = static_cast<std::uint64_t>(*asked.seed);
-  grains.escape_density = *asked.escape_density;
-  grains.capture_density = *asked.capture_density;
-  grains.travel = *asked.travel;
-  if (material.reorientation)
-    grains.jeffery = mpm::jeffery_shape(material.reorientation->length_over_width);
-  return grains;
-}
 
 /// Whether a point is in the space of a region; its bounds.
 struct Space {
@@ -228,6 +105,7 @@ private:
   Status seed(const Space& space);
   Status orient();
   Status scale(const std::optional<shots::Located<shots::Expression>>& expression, std::vector<double>& values);
+  Status add_grains(const shots::SubParticleOptions& asked);
   void report(const Space& space, const mpm::CompiledMaterial& material, const mpm::ParticleCost& cost);
   Error located(Error error) const { return at_source(m_body.source, std::move(error)); }
 
@@ -362,6 +240,24 @@ Status ParticleCompiler::scale(const std::optional<shots::Located<shots::Express
   return {};
 }
 
+Status ParticleCompiler::add_grains(const shots::SubParticleOptions& asked) {
+  Result<CompiledGrains> grains = compile_grains(asked, m_body, m_made.body.material);
+  if (!grains)
+    return grains.error();
+  grains->settings.second_moment = m_made.body.second_moment;
+  const double particles = static_cast<double>(m_made.body.positions->rows());
+  const double count = particles * grains->settings.per_particle;
+  std::vector<std::string>& notes = m_made.report.notes;
+  notes.insert(notes.end(), grains->notes.begin(), grains->notes.end());
+  notes.push_back(fmt::format("{:.0f} grains are drawn: {:.3g} MB in memory, {:.3g} MB in a frame", count,
+                              1e-6 * count * mpm::BYTES_PER_GRAIN, 1e-6 * count * mpm::BYTES_PER_GRAIN_AND_FRAME));
+  if (std::string warning = too_many_triangles(grains->settings, particles); !warning.empty())
+    m_made.warnings.push_back(std::move(warning));
+  m_made.grain_assets = std::move(grains->assets);
+  m_made.body.sub_particles = std::move(grains->settings);
+  return {};
+}
+
 void ParticleCompiler::report(const Space& space, const mpm::CompiledMaterial& material,
                               const mpm::ParticleCost& cost) {
   BodyReport& report = m_made.report;
@@ -378,7 +274,7 @@ void ParticleCompiler::report(const Space& space, const mpm::CompiledMaterial& m
   report.notes.push_back("a particle carries " + cost.channels);
   for (const std::string& note : material.left_out)
     report.notes.push_back("left out: " + note);
-  m_made.warnings = material.warnings;
+  m_made.warnings.insert(m_made.warnings.end(), material.warnings.begin(), material.warnings.end());
 }
 
 Result<CompiledParticles> ParticleCompiler::compile() {
@@ -414,14 +310,8 @@ Result<CompiledParticles> ParticleCompiler::compile() {
   if (m_body.particles.fibre && m_body.particles.fibre->second_moment)
     m_made.body.second_moment = **m_body.particles.fibre->second_moment;
   if (m_body.particles.grains) {
-    m_made.body.sub_particles = grains_of(*m_body.particles.grains, m_body, m_made.body.material);
-    m_made.body.sub_particles->second_moment = m_made.body.second_moment;
-    m_made.report.notes.push_back(
-        fmt::format("{} grains are drawn, updated as the simulation steps (cached grids would take more disk than the "
-                    "grains of a frame): {:.3g} MB",
-                    m_made.body.positions->rows() * m_made.body.sub_particles->per_particle,
-                    1e-6 * static_cast<double>(m_made.body.positions->rows()) *
-                        m_made.body.sub_particles->per_particle * mpm::BYTES_PER_GRAIN));
+    if (Status status = add_grains(*m_body.particles.grains); !status)
+      return status.error();
   }
   if (m_body.particles.repeat) {
     mpm::Source source;
@@ -436,49 +326,6 @@ Result<CompiledParticles> ParticleCompiler::compile() {
 
 } // namespace
 
-Result<mpm::Material> compile_matter(const shots::Material& material) {
-  const shots::Matter& matter = material.matter;
-  mpm::Material compiled;
-  compiled.name = *material.name;
-  compiled.density = *material.density;
-  compiled.elasticity = elasticity(*matter.elasticity);
-  compiled.plasticity = plasticity(*matter.plasticity);
-  compiled.youngs_modulus = per_axis(matter.youngs_modulus);
-  const mpm::PerAxis ratios = per_axis(matter.poisson_ratio);
-  compiled.poisson_ratio.yz = ratios[0];
-  compiled.poisson_ratio.xz = ratios[1];
-  compiled.poisson_ratio.xy = ratios[2];
-  if (matter.shear_modulus)
-    compiled.shear_modulus =
-        mpm::Material::Shear{*(*matter.shear_modulus)[0], *(*matter.shear_modulus)[1], *(*matter.shear_modulus)[2]};
-  compiled.plastic_scale = per_axis(matter.plastic_scale);
-  if (matter.plastic_map)
-    compiled.plastic_map = **matter.plastic_map;
-  if (matter.stress_map)
-    compiled.stress_map = mandel(**matter.stress_map);
-  if (matter.strain_map)
-    compiled.strain_map = mandel(**matter.strain_map);
-  if (matter.fictitious)
-    compiled.fictitious =
-        mpm::Material::Isotropic{*matter.fictitious->youngs_modulus, *matter.fictitious->poisson_ratio};
-  compiled.frame = frame_mode(*matter.frame);
-  compiled.measure = strain_measure(*matter.measure);
-  compiled.friction_angle = *matter.friction_angle * RADIANS;
-  if (matter.friction_hardening) {
-    const std::array<double, 4>& h = **matter.friction_hardening;
-    compiled.friction_hardening = {h[0] * RADIANS, h[1] * RADIANS, h[2], h[3] * RADIANS};
-  }
-  compiled.flow = *matter.flow == shots::PlasticFlow::isochoric ? mpm::Flow::isochoric : mpm::Flow::fictitious;
-  compiled.volume_correction = *matter.volume_correction;
-  compiled.critical_compression = *matter.critical_compression;
-  compiled.critical_stretch = *matter.critical_stretch;
-  compiled.snow_hardening = *matter.snow_hardening;
-  compiled.shear_limit = *matter.shear_limit;
-  if (matter.reorient)
-    compiled.reorientation = reorientation_of(*matter.reorient, compiled);
-  return compiled;
-}
-
 Result<mpm::MpmSettings> compile_mpm_settings(const shots::Shot& shot) {
   const shots::MpmOptions& options = shot.mpm;
   mpm::MpmSettings settings;
@@ -486,6 +333,7 @@ Result<mpm::MpmSettings> compile_mpm_settings(const shots::Shot& shot) {
   settings.precision = *options.precision == shots::NumberPrecision::f64 ? mpm::Precision::f64 : mpm::Precision::f32;
   settings.courant = *options.courant;
   settings.max_deformation = *options.max_deformation;
+  settings.keep_fields = *options.keep_fields;
   if (options.time_step)
     settings.time_step = **options.time_step;
   if (options.semi_implicit)
@@ -515,75 +363,6 @@ Result<mpm::MpmSettings> compile_mpm_settings(const shots::Shot& shot) {
 Result<CompiledParticles> compile_particles(const shots::Shot& shot, const shots::Body& body,
                                             const mpm::MpmSettings& settings) {
   return ParticleCompiler(shot, body, settings).compile();
-}
-
-namespace {
-
-struct HeldShape {
-  scene::ObstacleShape operator()(const shots::BoxRegion& box) const {
-    scene::BoxObstacle obstacle;
-    obstacle.centre = 0.5 * (*box.min + *box.max);
-    obstacle.size = *box.max - *box.min;
-    return obstacle;
-  }
-  scene::ObstacleShape operator()(const shots::SphereRegion& sphere) const {
-    return scene::SphereObstacle{*sphere.centre, *sphere.radius};
-  }
-  scene::ObstacleShape operator()(const shots::CylinderRegion& cylinder) const {
-    return scene::CylinderObstacle{*cylinder.from, *cylinder.to, *cylinder.radius};
-  }
-  // Refused before.
-  scene::ObstacleShape operator()(const shots::ExpressionRegion&) const { return {}; }
-  scene::ObstacleShape operator()(const shots::AttributeRegion&) const { return {}; }
-};
-
-/// A part of space in which matter is held or driven, at rest so far.
-Result<mpm::HeldSpace> space_in(const shots::Region& where, const shots::Source& source) {
-  const bool has_shape =
-      !std::holds_alternative<shots::ExpressionRegion>(where) && !std::holds_alternative<shots::AttributeRegion>(where);
-  if (!has_shape)
-    return at_source(source, make_error(ErrorCode::bad_input, "particles are held and driven in a part of space; "
-                                                              "expected where = {{ box | sphere | cylinder }}"));
-  mpm::HeldSpace held;
-  held.shape = std::visit(HeldShape{}, where);
-  return held;
-}
-
-} // namespace
-
-Result<mpm::HeldSpace> compile_held_space(const shots::Fixed& fixed) {
-  Result<mpm::HeldSpace> held = space_in(fixed.where, fixed.source);
-  if (!held)
-    return held.error();
-  held->name = *fixed.name;
-  if (fixed.until)
-    held->until = **fixed.until;
-  return held;
-}
-
-Result<mpm::HeldSpace> compile_driven_space(const shots::Drive& drive,
-                                            const std::vector<std::shared_ptr<const scene::Collider>>& colliders) {
-  if (*drive.method != shots::DriveMethod::exact)
-    return at_source(drive.method.source,
-                     make_error(ErrorCode::bad_input, "particles are driven through their grid, where no spring "
-                                                      "acts; write method = \"exact\" or leave it out"));
-  Result<mpm::HeldSpace> driven = space_in(drive.where, drive.source);
-  if (!driven)
-    return driven.error();
-  driven->name = *drive.name;
-  if (drive.until)
-    driven->until = **drive.until;
-  if (drive.collider) {
-    const auto named = std::find_if(colliders.begin(), colliders.end(),
-                                    [&](const auto& collider) { return collider->name == **drive.collider; });
-    driven->motion = (*named)->motion;
-    return driven;
-  }
-  Result<scene::Motion> motion = compile_motion(drive.motion);
-  if (!motion)
-    return motion.error();
-  driven->motion = std::move(*motion);
-  return driven;
 }
 
 std::vector<std::string> overlapping_bodies(const shots::Shot& shot, const mpm::MpmPlan& plan) {

@@ -18,7 +18,8 @@ Result<mpm::MpmSettings> compile_mpm_settings(const shots::Shot& shot);
 struct CompiledParticles {
   mpm::MpmBody body;
   BodyReport report;
-  std::vector<Asset> assets;
+  std::vector<Asset> assets;         ///< that its matter is made from
+  std::vector<Asset> grain_assets;   ///< that only its grains are made from
   std::optional<mpm::Source> source; ///< its body is not set
   std::vector<std::string> warnings;
 };

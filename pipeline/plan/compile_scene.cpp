@@ -15,9 +15,9 @@
 #include "pipeline/plan/compile_fields.h"
 #include "pipeline/plan/compile_mpm.h"
 #include "pipeline/plan/compile_region.h"
+#include "pipeline/plan/cost.h"
 #include "pipeline/plan/element_warnings.h"
 #include "pipeline/plan/microrotations.h"
-#include "pipeline/plan/cost.h"
 #include "pipeline/plan/plan_lines.h"
 #include "pipeline/plan/shared_mesh.h"
 #include "shots/resolved.h"
@@ -55,7 +55,9 @@ public:
       if (view->channel == "curvature_energy_density")
         m_plan.sim.fem.outputs.curvature_energy = true;
     }
-    m_plan.simulation_key = simulation_key();
+    m_plan.simulation_key = key_of(Inputs::all);
+    m_plan.matter_key = key_of(Inputs::matter);
+    m_plan.assets.insert(m_plan.assets.end(), m_grain_assets.begin(), m_grain_assets.end());
     m_plan.cost = estimate_cost(m_shot, m_plan);
     describe_plan(m_shot, m_plan);
     return std::move(m_plan);
@@ -70,11 +72,13 @@ private:
   Status compile_measures();
   Status describe_measured_body(const shots::Measure& measure, MeasurePlan& compiled) const;
   scene::RestPoints measured_points(std::size_t body) const;
-  std::string simulation_key() const;
+  enum class Inputs { all, matter };
+  std::string key_of(Inputs what) const;
 
   const shots::Shot& m_shot;
   const PlanOptions& m_options;
   Threads m_threads{1};
+  std::vector<Asset> m_grain_assets; ///< the plan's when its keys are made
   ScenePlan m_plan;
 };
 
@@ -193,6 +197,7 @@ Status SceneCompiler::compile_particle_bodies() {
     m_plan.bodies.push_back(std::move(compiled->report));
     m_plan.body_looks.push_back(body.look ? **body.look : std::string());
     m_plan.assets.insert(m_plan.assets.end(), compiled->assets.begin(), compiled->assets.end());
+    m_grain_assets.insert(m_grain_assets.end(), compiled->grain_assets.begin(), compiled->grain_assets.end());
     m_plan.warnings.insert(m_plan.warnings.end(), compiled->warnings.begin(), compiled->warnings.end());
     mpm.bodies.push_back(std::move(compiled->body));
   }
@@ -230,7 +235,7 @@ Status SceneCompiler::compile_fixed() {
 
 Status SceneCompiler::compile_colliders() {
   for (const shots::Collider& asked : m_shot.colliders) {
-    Result<CompiledCollider> compiled = compile_collider(asked, *m_shot.shot.up);
+    Result<CompiledCollider> compiled = compile_collider(asked, m_shot.shot);
     if (!compiled)
       return compiled.error();
     const scene::Collider& collider = *compiled->collider;
@@ -366,10 +371,15 @@ Status SceneCompiler::compile_measures() {
   return {};
 }
 
-std::string SceneCompiler::simulation_key() const {
+/// Whether a key is about grains alone. How often they are brought up to date is kept with what carries them.
+bool is_about_grains(const std::string& key) {
+  return key.starts_with("body.") && key.find(".sub_particles.") != std::string::npos && !key.ends_with(".travel");
+}
+
+std::string SceneCompiler::key_of(Inputs what) const {
   std::string inputs = fmt::format("{} {}\n", simulation_build(), isa_name(m_options.isa));
   for (const shots::FlatKey& key : shots::flatten(m_shot)) {
-    if (key.effect == shots::Effect::simulation)
+    if (key.effect == shots::Effect::simulation && (what == Inputs::all || !is_about_grains(key.key)))
       inputs += key.key + "=" + key.value + "\n";
   }
   const fem::FemOutputs& outputs = m_plan.sim.fem.outputs;
@@ -377,6 +387,8 @@ std::string SceneCompiler::simulation_key() const {
       fmt::format("frames hold {:d}{:d}{:d}\n", outputs.reactions, outputs.point_rotations, outputs.curvature_energy);
   for (const Asset& asset : m_plan.assets)
     inputs += asset.sha256 + "\n";
+  for (const Asset& asset : m_grain_assets)
+    inputs += what == Inputs::all ? asset.sha256 + "\n" : std::string();
   return sha256_of_bytes(inputs);
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "sim/fem/fem_simulation.h"
+#include "sim/mpm/grains/sub_particles.h"
 #include "sim/mpm/mpm_simulation.h"
 
 namespace wry::pipeline {
@@ -32,7 +33,6 @@ constexpr double SECONDS_PER_GRAIN = 1.6e-7, SECONDS_PER_GRAIN_NEAR_MESHES = 3e-
 // A frame or checkpoint is checked, compressed by nothing, written and read again by measures.
 constexpr double SECONDS_PER_BYTE_WRITTEN = 1e-8;
 constexpr std::uint64_t FRAME_BYTES_PER_BODY = 4000; // what HDF5 writes besides values
-constexpr std::uint64_t BYTES_PER_GRAIN = 68;
 // The program with its libraries; and a frame on its way out and back to be measured, in doubles and as bytes.
 constexpr std::uint64_t PROGRAM_BYTES = 66'000'000;
 constexpr std::uint64_t FRAMES_IN_MEMORY = 10;
@@ -98,7 +98,7 @@ double add_body_of_particles(const mpm::MpmPlan& mpm, const mpm::MpmBody& body, 
     per_particle +=
         static_cast<double>(per_body) * updates * (near_meshes ? SECONDS_PER_GRAIN_NEAR_MESHES : SECONDS_PER_GRAIN);
     cost.memory_bytes += report.particles * per_body * 200;
-    cost.bytes_per_frame += FRAME_BYTES_PER_BODY + report.particles * per_body * BYTES_PER_GRAIN;
+    cost.bytes_per_frame += FRAME_BYTES_PER_BODY + report.particles * per_body * mpm::BYTES_PER_GRAIN_AND_FRAME;
     cost.bytes_per_checkpoint += report.particles * per_body * 150;
   }
   return static_cast<double>(report.particles) * per_particle;
@@ -159,6 +159,16 @@ void add_cost_of_solids(const ScenePlan& plan, CostEstimate& cost) {
 }
 
 } // namespace
+
+double bytes_of_fields(const mpm::MpmPlan& plan) {
+  // Nodes about the matter, 16 bytes each and some for blocks.
+  constexpr double NODES_PER_CELL = 2.0, BYTES_PER_NODE = 17.0;
+  const double cell = plan.settings.cell * plan.settings.cell * plan.settings.cell;
+  double cells = 0.0;
+  for (const mpm::MpmBody& body : plan.bodies)
+    cells += static_cast<double>(body.positions->rows()) * body.particle_volume / cell;
+  return NODES_PER_CELL * BYTES_PER_NODE * cells;
+}
 
 CostEstimate estimate_cost(const shots::Shot& shot, const ScenePlan& plan) {
   CostEstimate cost;

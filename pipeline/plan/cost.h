@@ -8,6 +8,9 @@ namespace wry::pipeline {
 /// cost is added by describe_solver.
 CostEstimate estimate_cost(const shots::Shot& shot, const ScenePlan& plan);
 
+/// What a grid takes on the disk each time that mpm.keep_fields keeps it.
+double bytes_of_fields(const mpm::MpmPlan& plan);
+
 /// Builds the solver once to learn which linear solver it takes, why, and how much memory. Adds that to the plan.
 /// Errors: those of FemSimulation::create.
 Status describe_solver(ScenePlan& plan, Isa isa, int threads);

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "pipeline/plan/cost.h"
+
 namespace wry::pipeline {
 
 namespace {
@@ -45,6 +47,28 @@ bool any_body(const ScenePlan& plan, bool (*holds)(const fem::FemMaterial&)) {
                      [&](const fem::FemBody& body) { return holds(body.material); });
 }
 
+/// When grains are brought forward, and what it takes to have others.
+void describe_grains(ScenePlan& plan) {
+  const mpm::MpmPlan& mpm = plan.sim.mpm;
+  const bool any = std::any_of(mpm.bodies.begin(), mpm.bodies.end(),
+                               [](const mpm::MpmBody& body) { return body.sub_particles.has_value(); });
+  if (!any) {
+    plan.left_out.push_back({"grains", "no body with sub_particles: none are made or followed"});
+    return;
+  }
+  plan.runs.push_back(
+      {"grains", "sub_particles: brought forward with the grid of some steps, as often as travel says"});
+  const std::string size =
+      fmt::format("{:.2g} MB or more each time, several times a frame", 1e-6 * bytes_of_fields(mpm));
+  if (mpm.settings.keep_fields)
+    plan.runs.push_back({"fields of grains", "mpm.keep_fields: the grid that carries grains is kept, " + size +
+                                                 "; other grains are then made without simulating"});
+  else
+    plan.left_out.push_back({"fields of grains", "no mpm.keep_fields: other grains (number, seed, shape, size) take "
+                                                 "another simulation; it would keep " +
+                                                     size});
+}
+
 /// Which methods run, and that nothing couples them.
 void describe_methods(ScenePlan& plan) {
   const mpm::MpmPlan& mpm = plan.sim.mpm;
@@ -75,6 +99,7 @@ void describe_methods(ScenePlan& plan) {
          "no [[collider]]: no node is looked at");
   decide(!mpm.held.empty(), "held space", "[[fixed]] and [[drive]] on a body of particles",
          "no [[fixed]] or [[drive]] on a body of particles");
+  describe_grains(plan);
   decide(!mpm.sources.empty(), "sources", "a body with source", "no body with source: no particle is added");
   if (plan.sim.fem.bodies.empty())
     plan.left_out.push_back({"fem", "no solid: no elements, no linear solver"});
@@ -111,6 +136,10 @@ void describe_solids(ScenePlan& plan) {
   decide(!fem.obstacles.empty(), "collider contact",
          "colliders other than planes: barrier between surfaces, steps limited by continuous collision detection",
          "no collider but planes: no broad phase for colliders");
+  const auto deforms = [](const scene::Collider& collider) { return collider.sequence() != nullptr; };
+  decide(std::any_of(fem.obstacles.begin(), fem.obstacles.end(), deforms), "colliders that deform",
+         "[[collider]] sequence: vertices go straight from step to step, checked along the whole way",
+         "no [[collider]] with a sequence");
   decide(fem.contact && fem.contact->between_bodies, "contact of bodies",
          "[contact]: barrier between surfaces, steps limited by continuous collision detection",
          "no [contact]: no broad phase; bodies do not feel each other");

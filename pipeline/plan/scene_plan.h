@@ -65,6 +65,7 @@ struct ScenePlan {
   std::vector<bool> measure_is_relative; ///< per measure: divided by its first frame's value
   std::vector<Asset> assets;
   std::string simulation_key; ///< SHA-256 of all that the frames depend on
+  std::string matter_key;     ///< the same without what grains alone depend on
   std::vector<BodyReport> bodies;
   CostEstimate cost;
   std::vector<PlanLine> runs;

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "pipeline/cache/checkpoints.h"
+#include "pipeline/cache/field_store.h"
 #include "pipeline/cache/frame_cache.h"
 #include "pipeline/cache/verified_folder.h"
 #include "pipeline/plan/plan_report.h"
@@ -26,22 +27,29 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* STEP_COUNT = "run/step_count";
+constexpr const char* FIELDS = "fields";
 
 /// One run over the frames of a shot: what is open while it lasts.
 class SimulationRun {
 public:
   SimulationRun(const shots::Shot& shot, const ScenePlan& plan, const SimulateOptions& options, FrameCache cache,
-                CheckpointStore checkpoints)
+                CheckpointStore checkpoints, std::optional<FieldStore> fields)
       : m_shot(shot)
       , m_plan(plan)
       , m_options(options)
       , m_cache(std::move(cache))
       , m_checkpoints(std::move(checkpoints))
+      , m_fields(std::move(fields))
       , m_columns(plan.sim) {}
 
   Result<SimulateOutcome> go();
 
 private:
+  bool is_complete() const;
+  bool keeps_fields() const { return m_plan.sim.mpm.settings.keep_fields; }
+  Result<bool> only_grains_changed() const;
+  Result<SimulateOutcome> make_grains_again();
+  Status make_grains_of_frame(int frame, const FrameCache& before);
   int first() const { return m_plan.sim.first_frame; }
   int last() const { return m_plan.sim.last_frame; }
   int last_complete_frame() const;
@@ -53,6 +61,7 @@ private:
   template <class Simulation> Status advance(Simulation& simulation, int frame, Progress& progress);
   Status keep_frame(int frame);
   Frame snapshot(int frame) const;
+  Frame simulated_bodies(int frame) const;
   Status write_checkpoint(int frame);
   Result<SceneStatic> whole_scene() const;
 
@@ -61,6 +70,7 @@ private:
   const SimulateOptions& m_options;
   FrameCache m_cache;
   CheckpointStore m_checkpoints;
+  std::optional<FieldStore> m_fields;
   std::unique_ptr<fem::FemSimulation> m_solids;    ///< nullptr: there are none
   std::unique_ptr<mpm::MpmSimulation> m_particles; ///< nullptr: there are none
   StepColumns m_columns;
@@ -73,9 +83,13 @@ private:
 
 int SimulationRun::last_complete_frame() const {
   int frame = first() - 1;
-  while (frame < last() && m_cache.has_frame(frame + 1))
+  while (frame < last() && m_cache.has_frame(frame + 1) && (!keeps_fields() || m_fields->has(frame + 1)))
     ++frame;
   return frame;
+}
+
+bool SimulationRun::is_complete() const {
+  return last_complete_frame() == last() && m_cache.has_static();
 }
 
 Result<SceneStatic> SimulationRun::whole_scene() const {
@@ -173,6 +187,12 @@ Status SimulationRun::start() {
 }
 
 Frame SimulationRun::snapshot(int frame) const {
+  Frame whole = simulated_bodies(frame);
+  add_collider_poses(m_plan.sim, whole);
+  return whole;
+}
+
+Frame SimulationRun::simulated_bodies(int frame) const {
   Frame whole;
   if (m_solids)
     whole = m_solids->snapshot(frame);
@@ -183,17 +203,28 @@ Frame SimulationRun::snapshot(int frame) const {
     for (FrameBody& body : particles.bodies)
       whole.bodies.push_back(std::move(body));
   }
-  add_collider_poses(m_plan.sim, whole);
   return whole;
 }
 
 Status SimulationRun::keep_frame(int frame) {
-  if (m_cache.has_frame(frame)) {
+  const bool is_new = !m_cache.has_frame(frame);
+  if (is_new) {
+    if (Status status = m_cache.write_frame(snapshot(frame)); !status)
+      return status;
+  }
+  // After the frame: where there are fields of a frame, the frame is of the same matter.
+  if (keeps_fields() && m_particles) {
+    StateArchive fields;
+    mpm::archive_updates(m_particles->take_fields(), FIELDS, fields);
+    if (!m_fields->has(frame)) {
+      if (Status status = m_fields->write(frame, fields); !status)
+        return status;
+    }
+  }
+  if (!is_new) {
     ++m_outcome.frames_kept;
     return {};
   }
-  if (Status status = m_cache.write_frame(snapshot(frame)); !status)
-    return status;
   ++m_outcome.frames_written;
   return write_checkpoint(frame);
 }
@@ -259,9 +290,18 @@ Status SimulationRun::advance_to_frame(int frame, Progress& progress) {
 
 Result<SimulateOutcome> SimulationRun::go() {
   const auto began = std::chrono::steady_clock::now();
-  if (last_complete_frame() == last() && m_cache.has_static()) {
+  if (is_complete()) {
     m_outcome.frames_kept = last() - first() + 1;
     return m_outcome;
+  }
+  const Result<bool> only_grains = only_grains_changed();
+  if (!only_grains)
+    return only_grains.error();
+  if (*only_grains)
+    return make_grains_again();
+  if (m_fields) {
+    if (Status status = m_fields->discard_all_but(keeps_fields() ? m_plan.matter_key : std::string()); !status)
+      return status.error();
   }
   if (Status status = start(); !status)
     return status.error();
@@ -279,6 +319,70 @@ Result<SimulateOutcome> SimulationRun::go() {
   m_outcome.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   if (!status)
     return status.error();
+  return m_outcome;
+}
+
+/// Whether there is a frame of the same matter for each, with what carried its grains, and grains of other settings.
+Result<bool> SimulationRun::only_grains_changed() const {
+  if (!keeps_fields() || m_cache.stale_frames().empty())
+    return false;
+  const Result<FrameCache> before = FrameCache::open_to_read(m_options.out / "frames");
+  if (!before)
+    return before.error();
+  for (int frame = first(); frame <= last(); ++frame) {
+    if (!m_fields->has(frame) || !before->has_frame(frame))
+      return false;
+  }
+  return true;
+}
+
+Status SimulationRun::make_grains_of_frame(int frame, const FrameCache& before) {
+  const Result<StateArchive> kept = m_fields->read(frame);
+  if (!kept)
+    return kept.error();
+  const Result<std::vector<mpm::GrainUpdate>> updates = mpm::restore_updates(*kept, FIELDS);
+  if (!updates)
+    return updates.error();
+  if (Status status = m_particles->replay(*updates); !status)
+    return status;
+  if (m_cache.has_frame(frame))
+    return {};
+  Result<Frame> was = before.read_frame(frame);
+  if (!was)
+    return was.error();
+  Frame now = simulated_bodies(frame);
+  const std::size_t matter = m_plan.sim.fem.bodies.size() + m_plan.sim.mpm.bodies.size();
+  for (std::size_t body = 0; body < matter; ++body)
+    now.bodies[body] = std::move(was->bodies[body]);
+  now.time = was->time;
+  add_collider_poses(m_plan.sim, now);
+  ++m_outcome.frames_written;
+  return m_cache.write_frame(now);
+}
+
+/// The matter of the frames that are there, and grains that follow it anew: nothing is simulated.
+Result<SimulateOutcome> SimulationRun::make_grains_again() {
+  const auto began = std::chrono::steady_clock::now();
+  if (Status status = make_simulations(); !status)
+    return status.error();
+  const Result<SceneStatic> scene = whole_scene();
+  if (!scene)
+    return scene.error();
+  const Result<FrameCache> before = FrameCache::open_to_read(m_options.out / "frames");
+  if (!before)
+    return before.error();
+  if (Status status = m_cache.write_static(*scene); !status)
+    return status.error();
+  m_outcome.frames_kept = static_cast<int>(m_cache.frames().size());
+  m_outcome.what = SimulateOutcome::What::grains;
+  for (int frame = first(); frame <= last(); ++frame) {
+    if (Status status = make_grains_of_frame(frame, *before); !status)
+      return status.error();
+    if (stop_requested())
+      return stopped_by_signal(
+          fmt::format("after the grains of frame {} of {}; the same command goes on", frame, last()));
+  }
+  m_outcome.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   return m_outcome;
 }
 
@@ -315,6 +419,26 @@ Status drop_damaged_frames(FrameCache& cache, const fs::path& frames) {
   return {};
 }
 
+/// Where what carries grains is kept: nothing where it is not, and never was.
+Result<std::optional<FieldStore>> open_fields(const ScenePlan& plan, const SimulateOptions& options) {
+  const fs::path folder = options.out / "fields";
+  if (!plan.sim.mpm.settings.keep_fields && !fs::exists(folder))
+    return std::optional<FieldStore>();
+  Result<FieldStore> opened = FieldStore::open(folder, plan.matter_key);
+  if (!opened)
+    return opened.error();
+  if (options.start == SimulateOptions::Start::fresh) {
+    if (Status status = opened->discard_all_but(""); !status)
+      return status.error();
+  }
+  const Result<std::vector<std::string>> damaged = opened->discard_damaged();
+  if (!damaged)
+    return damaged.error();
+  for (const std::string& finding : *damaged)
+    fmt::print(stderr, "warning: {}; it is made again\n", finding);
+  return std::optional<FieldStore>(std::move(*opened));
+}
+
 } // namespace
 
 Result<SimulateOutcome> simulate(const shots::Shot& shot, const ScenePlan& plan, const SimulateOptions& options) {
@@ -330,6 +454,9 @@ Result<SimulateOutcome> simulate(const shots::Shot& shot, const ScenePlan& plan,
     return checkpoints.error();
   if (Status status = drop_damaged_frames(*cache, options.out / "frames"); !status)
     return status.error();
+  Result<std::optional<FieldStore>> fields = open_fields(plan, options);
+  if (!fields)
+    return fields.error();
   if (options.start == SimulateOptions::Start::fresh) {
     if (Status status = cache->discard_all(); !status)
       return status.error();
@@ -344,7 +471,7 @@ Result<SimulateOutcome> simulate(const shots::Shot& shot, const ScenePlan& plan,
     return status.error();
   if (Status status = write_file_atomically(options.out / "plan.json", plan_json(plan)); !status)
     return status.error();
-  return SimulationRun(shot, plan, options, std::move(*cache), std::move(*checkpoints)).go();
+  return SimulationRun(shot, plan, options, std::move(*cache), std::move(*checkpoints), std::move(*fields)).go();
 }
 
 Result<MeasureTable> measure_frames(const ScenePlan& plan, const fs::path& out, const Threads& threads) {

@@ -21,6 +21,7 @@ struct SimulateOptions {
 
 /// What a simulation did.
 struct SimulateOutcome {
+  enum class What { all, grains } what = What::all; ///< grains: the matter was there, nothing was simulated
   int frames_written = 0;
   int frames_kept = 0;  ///< were there already, from the same inputs
   int resumed_from = 0; ///< frame of the checkpoint it went on from; 0: it started anew

@@ -107,6 +107,7 @@ void StepTotals::add(const mpm::StepStats& stats) {
   particles.cut += stats.given_over_stable > 1.0 ? 1 : 0;
   particles.scatter_ms += stats.scatter_ms;
   particles.grid_ms += stats.grid_ms;
+  particles.grains_ms += stats.grains_ms;
   particles.gather_ms += stats.gather_ms;
   particles.sort_ms += stats.sort_ms;
   particles.total_ms += stats.total_ms;

@@ -43,7 +43,7 @@ struct StepTotals {
     double smallest_dt = 0.0;
     int by_limit[5] = {}; ///< steps that each mpm::StepLimit bound
     int cut = 0;          ///< steps shorter than the one given by hand
-    double scatter_ms = 0.0, grid_ms = 0.0, gather_ms = 0.0, sort_ms = 0.0, total_ms = 0.0;
+    double scatter_ms = 0.0, grid_ms = 0.0, gather_ms = 0.0, sort_ms = 0.0, grains_ms = 0.0, total_ms = 0.0;
   } particles;
 
   void add(const fem::StepStats& stats);

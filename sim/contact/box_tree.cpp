@@ -7,6 +7,12 @@ namespace wry::contact {
 namespace {
 
 constexpr std::int32_t LEAF_SIZE = 4;
+/// A tree is built anew when its boxes have become larger by this factor, against what they contain.
+constexpr double MOST_LOOSENESS = 1.3;
+
+double size_of(const Box& box) {
+  return (box.high[0] - box.low[0]) + (box.high[1] - box.low[1]) + (box.high[2] - box.low[2]);
+}
 
 } // namespace
 
@@ -20,6 +26,43 @@ void BoxTree::build(const std::vector<Box>& boxes, std::size_t begin, std::size_
   build_node(boxes, 0, static_cast<std::int32_t>(m_members.size()));
   for (std::size_t i = 0; i < m_members.size(); ++i)
     m_leaf_boxes[i] = boxes[m_members[i]];
+  m_built_looseness = looseness();
+}
+
+void BoxTree::update(const std::vector<Box>& boxes, std::size_t begin, std::size_t end) {
+  const bool same = m_members.size() == end - begin && !m_members.empty();
+  if (same)
+    refit(boxes);
+  if (!same || looseness() > MOST_LOOSENESS * m_built_looseness)
+    build(boxes, begin, end);
+}
+
+/// Children come after their parents.
+void BoxTree::refit(const std::vector<Box>& boxes) {
+  for (std::size_t i = 0; i < m_members.size(); ++i)
+    m_leaf_boxes[i] = boxes[m_members[i]];
+  for (std::size_t index = m_nodes.size(); index-- > 0;) {
+    Node& node = m_nodes[index];
+    if (node.right != 0) {
+      node.box = m_nodes[index + 1].box;
+      node.box.include(m_nodes[static_cast<std::size_t>(node.right)].box);
+      continue;
+    }
+    node.box = m_leaf_boxes[static_cast<std::size_t>(node.begin)];
+    for (std::int32_t i = node.begin + 1; i < node.end; ++i)
+      node.box.include(m_leaf_boxes[static_cast<std::size_t>(i)]);
+  }
+}
+
+/// Sizes of the nodes over those of what is in them: how much is visited in vain.
+double BoxTree::looseness() const {
+  double nodes = 0.0;
+  double members = 0.0;
+  for (const Node& node : m_nodes)
+    nodes += size_of(node.box);
+  for (const Box& box : m_leaf_boxes)
+    members += size_of(box);
+  return members > 0.0 ? nodes / members : 0.0;
 }
 
 std::int32_t BoxTree::build_node(const std::vector<Box>& boxes, std::int32_t begin, std::int32_t end) {
@@ -28,7 +71,9 @@ std::int32_t BoxTree::build_node(const std::vector<Box>& boxes, std::int32_t beg
   double high[3];
   for (int i = 0; i < 3; ++i)
     low[i] = high[i] = box.low[i] + box.high[i];
+  std::int32_t last = 0;
   for (std::int32_t k = begin; k < end; ++k) {
+    last = std::max(last, m_members[k]);
     const Box& other = boxes[m_members[k]];
     box.include(other);
     for (int i = 0; i < 3; ++i) {
@@ -37,7 +82,7 @@ std::int32_t BoxTree::build_node(const std::vector<Box>& boxes, std::int32_t beg
     }
   }
   const auto index = static_cast<std::int32_t>(m_nodes.size());
-  m_nodes.push_back({box, begin, end, 0});
+  m_nodes.push_back({box, begin, end, 0, last});
   if (end - begin <= LEAF_SIZE)
     return index;
   int axis = 0;

@@ -38,9 +38,13 @@ public:
   /// Of the boxes [begin, end); queries name them by their place in the whole list.
   void build(const std::vector<Box>& boxes, std::size_t begin, std::size_t end);
   void build(const std::vector<Box>& boxes) { build(boxes, 0, boxes.size()); }
+  /// Of the boxes [begin, end) again, which have moved: keeps who is whose neighbour, for a small part of the time,
+  /// while that still serves, else builds. What a query finds is the same, its order may not be.
+  void update(const std::vector<Box>& boxes, std::size_t begin, std::size_t end);
 
-  /// Calls visit(index) for every box that meets the query, in an order that depends on the boxes only.
-  template <class Visit> void query(const Box& box, const Visit& visit) const {
+  /// Calls visit(index) for every box beyond `after` that meets the query, in an order that depends on how the tree was
+  /// built.
+  template <class Visit> void query(const Box& box, const Visit& visit, std::int32_t after = -1) const {
     if (m_nodes.empty())
       return;
     std::int32_t stack[64];
@@ -49,7 +53,7 @@ public:
     while (depth > 0) {
       const std::int32_t index = stack[--depth];
       const Node& node = m_nodes[index];
-      if (!node.box.meets(box))
+      if (node.last <= after || !node.box.meets(box))
         continue;
       if (node.right != 0) {
         stack[depth++] = node.right;
@@ -57,7 +61,7 @@ public:
         continue;
       }
       for (std::int32_t i = node.begin; i < node.end; ++i) {
-        if (m_leaf_boxes[i].meets(box))
+        if (m_members[i] > after && m_leaf_boxes[i].meets(box))
           visit(m_members[i]);
       }
     }
@@ -68,12 +72,16 @@ private:
     Box box;
     std::int32_t begin, end;
     std::int32_t right; ///< the left child follows its parent; 0: a leaf
+    std::int32_t last;  ///< the greatest member
   };
   std::int32_t build_node(const std::vector<Box>& boxes, std::int32_t begin, std::int32_t end);
+  void refit(const std::vector<Box>& boxes);
+  double looseness() const;
 
   std::vector<Node> m_nodes;
   std::vector<std::int32_t> m_members;
   std::vector<Box> m_leaf_boxes; ///< in the order of the members
+  double m_built_looseness = 0.0;
 };
 
 } // namespace wry::contact

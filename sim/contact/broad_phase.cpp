@@ -60,7 +60,7 @@ double box_distance(PairKind kind, const PairPoints& points) {
 /// A plane across the way between the nearest points shows how far apart they are at least, whatever was rounded in
 /// finding it.
 double proven_distance(PairKind kind, const PairPoints& points) {
-  const Vec3 normal = pair_distance(kind, points).normal;
+  const Vec3 normal = separating_direction(kind, points);
   const int first = kind == PairKind::edge_edge ? 2 : 1;
   double gap = std::numeric_limits<double>::infinity();
   double size = 0.0;
@@ -112,10 +112,11 @@ Points BroadPhase::middles_of(const Points& positions, PairGroup group) const {
   for (Eigen::Index part = 0; part < middles.rows(); ++part) {
     const std::size_t begin = m_first_point[static_cast<std::size_t>(part)];
     const std::size_t end = m_first_point[static_cast<std::size_t>(part) + 1];
+    Vec3 sum = Vec3::Zero();
     for (std::size_t i = begin; i < end; ++i)
-      middles.row(part) += positions.row(points[i]);
+      sum += positions.row(points[i]).transpose();
     if (end > begin)
-      middles.row(part) /= static_cast<double>(end - begin);
+      middles.row(part) = sum.transpose() / static_cast<double>(end - begin);
   }
   return middles;
 }
@@ -193,8 +194,6 @@ bool BroadPhase::cover(const Points& from, const Points& to, double distance, do
       lists.distance = distance;
       lists.measured_at = from;
       lists.picked = false;
-      for (std::vector<CandidatePair>& pairs : lists.pairs)
-        pairs.clear();
       lists.valid = search(group, distance);
     }
     if (!lists.valid) {
@@ -265,10 +264,7 @@ void BroadPhase::pick(const Points& from, const Points& to, PairGroup group) {
           chunk.push_back(pairs[i]);
       }
     });
-    std::vector<CandidatePair>& near = lists.near[static_cast<std::size_t>(kind)];
-    near.clear();
-    for (std::size_t chunk = 0; chunk < count; ++chunk)
-      near.insert(near.end(), m_chunks[chunk].begin(), m_chunks[chunk].end());
+    join_chunks(count, lists.near[static_cast<std::size_t>(kind)]);
   }
   lists.picked = true;
 }
@@ -284,6 +280,17 @@ void BroadPhase::measure(PairKind kind, bool within, const Lists& lists, Candida
   const bool limited = within && m_reach_within && apart < 2.0 * lists.distance;
   const double reach = limited ? m_reach_within(kind, pair.nodes) : lists.distance;
   pair.reach = static_cast<float>(std::min(reach, lists.distance)) * (1.0F + SINGLE_SLACK);
+}
+
+/// The first `count` chunks, one after the other. Millions of bytes: the threads share the copying.
+void BroadPhase::join_chunks(std::size_t count, std::vector<CandidatePair>& out) {
+  std::vector<std::size_t> begin(count + 1, 0);
+  for (std::size_t chunk = 0; chunk < count; ++chunk)
+    begin[chunk + 1] = begin[chunk] + m_chunks[chunk].size();
+  out.resize(begin[count]);
+  m_threads.for_each(count, 1, [&](std::size_t chunk) {
+    std::copy(m_chunks[chunk].begin(), m_chunks[chunk].end(), out.begin() + static_cast<std::ptrdiff_t>(begin[chunk]));
+  });
 }
 
 template <class Find>
@@ -308,11 +315,7 @@ bool BroadPhase::collect(std::size_t count, Lists& lists, PairKind kind, std::si
   });
   if (total > room)
     return false;
-  out.clear();
-  for (std::size_t index = 0; index < (count + GRAIN - 1) / GRAIN; ++index) {
-    const std::vector<CandidatePair>& chunk = m_chunks[index];
-    out.insert(out.end(), chunk.begin(), chunk.end());
-  }
+  join_chunks((count + GRAIN - 1) / GRAIN, out);
   return true;
 }
 
@@ -330,9 +333,12 @@ void BroadPhase::build_trees(const std::vector<Box>& rooms) {
     m_edge_boxes[i] = rooms[edges[i][0]];
     m_edge_boxes[i].include(rooms[edges[i][1]]);
   }
-  m_threads.for_each(m_triangle_trees.size(), 1, [&](std::size_t part) {
-    m_triangle_trees[part].build(m_triangle_boxes, m_first_triangle[part], m_first_triangle[part + 1]);
-    m_edge_trees[part].build(m_edge_boxes, m_first_edge[part], m_first_edge[part + 1]);
+  m_threads.for_each(2 * m_triangle_trees.size(), 1, [&](std::size_t tree) {
+    const std::size_t part = tree / 2;
+    if (tree % 2 == 0)
+      m_triangle_trees[part].update(m_triangle_boxes, m_first_triangle[part], m_first_triangle[part + 1]);
+    else
+      m_edge_trees[part].update(m_edge_boxes, m_first_edge[part], m_first_edge[part + 1]);
   });
 }
 
@@ -371,7 +377,7 @@ bool BroadPhase::search(PairGroup group, double distance) {
   const std::vector<std::int32_t>& points = m_surface.points();
   build_trees(lists.rooms);
   find_partners(group, distance);
-  const bool fits = collect(points.size(), lists, PairKind::point_triangle, m_most_pairs - lists.pairs[0].size(),
+  const bool fits = collect(points.size(), lists, PairKind::point_triangle, m_most_pairs,
                             [&](std::int32_t i, std::vector<CandidatePair>& out) {
                               Box box = lists.rooms[points[i]];
                               box.grow(distance);
@@ -390,13 +396,13 @@ bool BroadPhase::search(PairGroup group, double distance) {
                            const Surface::Edge& e = edges[i];
                            const auto take = [&](std::int32_t j) {
                              const Surface::Edge& f = edges[j];
-                             if (j > i && !share_node(e, f))
+                             if (!share_node(e, f))
                                out.push_back({{e[0], e[1], f[0], f[1]}, i, j});
                            };
                            const int part = m_surface.part_of_node(e[0]);
                            for (const int other : m_partners[part]) {
                              if (other >= part)
-                               m_edge_trees[other].query(box, take);
+                               m_edge_trees[other].query(box, take, i);
                            }
                          });
 }

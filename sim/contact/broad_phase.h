@@ -86,6 +86,7 @@ private:
   void find_partners(PairGroup group, double distance);
   bool search(PairGroup group, double distance);
   void measure(PairKind kind, bool within, const Lists& lists, CandidatePair& pair) const;
+  void join_chunks(std::size_t count, std::vector<CandidatePair>& out);
   template <class Find>
   bool collect(std::size_t count, Lists& lists, PairKind kind, std::size_t room, const Find& find);
 

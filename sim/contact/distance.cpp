@@ -126,37 +126,75 @@ PairDistance pair_distance(PairKind kind, const PairPoints& points) {
 
 namespace {
 
-double segment_squared(const Vec3& way, const Vec3& edge) {
+/// From the nearest point of an edge to a point that is `way` from its beginning.
+Vec3 way_from_segment(const Vec3& way, const Vec3& edge) {
   const double share = std::clamp(way.dot(edge) / std::max(edge.squaredNorm(), 1e-300), 0.0, 1.0);
-  return (way - share * edge).squaredNorm();
+  return way - share * edge;
+}
+
+/// Two edges, or two sides of a triangle from the same corner, and the way to the first primitive.
+struct Directions {
+  Vec3 e, f, way, normal;
+  double area = 0.0; ///< |normal|^2
+
+  Directions(PairKind kind, const PairPoints& points) {
+    const bool edges = kind == PairKind::edge_edge;
+    e = points.row(edges ? 1 : 2) - points.row(edges ? 0 : 1);
+    f = points.row(3) - points.row(edges ? 2 : 1);
+    way = points.row(0) - points.row(edges ? 2 : 1);
+    normal = e.cross(f);
+    area = normal.squaredNorm();
+  }
+  /// Whether the nearest points are inside both primitives.
+  bool are_inside(PairKind kind) const {
+    const bool edges = kind == PairKind::edge_edge;
+    if (!(area > PARALLEL * e.squaredNorm() * f.squaredNorm()))
+      return false;
+    const double u = edges ? -way.cross(f).dot(normal) : way.cross(f).dot(normal);
+    const double v = edges ? -way.cross(e).dot(normal) : e.cross(way).dot(normal);
+    return edges ? (u > 0.0 && u < area && v > 0.0 && v < area) : (u > 0.0 && v > 0.0 && u + v < area);
+  }
+};
+
+/// The shortest way to the first primitive where an end or a side is nearest.
+Vec3 way_from_sides(PairKind kind, const PairPoints& points, const Directions& directions) {
+  const auto between = [&](int a, int b) { return Vec3(points.row(a) - points.row(b)); };
+  Vec3 best;
+  if (kind == PairKind::edge_edge) {
+    best = way_from_segment(directions.way, directions.f);
+    for (const Vec3& other :
+         {way_from_segment(between(1, 2), directions.f), Vec3(-way_from_segment(-directions.way, directions.e)),
+          Vec3(-way_from_segment(between(3, 0), directions.e))}) {
+      if (other.squaredNorm() < best.squaredNorm())
+        best = other;
+    }
+    return best;
+  }
+  best = way_from_segment(directions.way, directions.e);
+  for (const Vec3& other :
+       {way_from_segment(between(0, 2), between(3, 2)), way_from_segment(directions.way, directions.f)}) {
+    if (other.squaredNorm() < best.squaredNorm())
+      best = other;
+  }
+  return best;
 }
 
 } // namespace
 
 double squared_distance(PairKind kind, const PairPoints& points) {
-  const Vec3 p = points.row(0);
-  const Vec3 q = points.row(1);
-  const Vec3 r = points.row(2);
-  const Vec3 s = points.row(3);
-  const bool edges = kind == PairKind::edge_edge;
-  const Vec3 e = edges ? Vec3(q - p) : Vec3(r - q);
-  const Vec3 f = edges ? Vec3(s - r) : Vec3(s - q);
-  const Vec3 way = edges ? Vec3(p - r) : Vec3(p - q);
-  const Vec3 normal = e.cross(f);
-  const double area = normal.squaredNorm();
-  if (area > PARALLEL * e.squaredNorm() * f.squaredNorm()) {
-    const double u = edges ? -way.cross(f).dot(normal) : way.cross(f).dot(normal);
-    const double v = edges ? -way.cross(e).dot(normal) : e.cross(way).dot(normal);
-    const bool inside = edges ? (u > 0.0 && u < area && v > 0.0 && v < area) : (u > 0.0 && v > 0.0 && u + v < area);
-    if (inside) {
-      const double height = way.dot(normal);
-      return height * height / area;
-    }
-  }
-  if (edges)
-    return std::min(
-        {segment_squared(p - r, f), segment_squared(q - r, f), segment_squared(r - p, e), segment_squared(s - p, e)});
-  return std::min({segment_squared(p - q, e), segment_squared(p - r, s - r), segment_squared(p - q, f)});
+  const Directions directions(kind, points);
+  if (!directions.are_inside(kind))
+    return way_from_sides(kind, points, directions).squaredNorm();
+  const double height = directions.way.dot(directions.normal);
+  return height * height / directions.area;
+}
+
+Vec3 separating_direction(PairKind kind, const PairPoints& points) {
+  const Directions directions(kind, points);
+  if (!directions.are_inside(kind))
+    return way_from_sides(kind, points, directions).normalized();
+  const double sign = directions.way.dot(directions.normal) < 0.0 ? -1.0 : 1.0;
+  return sign / std::sqrt(directions.area) * directions.normal;
 }
 
 Gradient distance_gradient(const PairDistance& pair) {

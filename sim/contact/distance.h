@@ -32,6 +32,8 @@ PairDistance pair_distance(PairKind kind, const PairPoints& points);
 
 /// The squared distance alone, for searches.
 double squared_distance(PairKind kind, const PairPoints& points);
+/// The unit direction between the nearest points, from the second primitive to the first; zero when they touch.
+Vec3 separating_direction(PairKind kind, const PairPoints& points);
 
 /// The distance's derivative: weights x normal.
 Gradient distance_gradient(const PairDistance& pair);

@@ -105,7 +105,7 @@ SafeStep ask_range(const std::vector<CandidatePair>& pairs, PairKind kind, std::
                    const Motion& motion, const KeptDistance& keep, const CcdTable& table) {
   Asker asker(kind, table);
   const int first = kind == PairKind::edge_edge ? 2 : 1;
-  const double most_kept = std::max(keep.share * keep.reach, keep.least);
+  const double most_kept = keep.most_thickness + std::max(keep.share * keep.reach, keep.least);
   for (std::size_t index = begin; index < end; ++index) {
     const CandidatePair& pair = pairs[index];
     // Most pairs move along with each other, and are near where they were measured.
@@ -119,7 +119,8 @@ SafeStep ask_range(const std::vector<CandidatePair>& pairs, PairKind kind, std::
     if (apart_all_the_way(start, stop, first, most_kept + keep.least))
       continue;
     const double distance = std::sqrt(squared_distance(kind, start));
-    const double kept = std::max(keep.share * std::min(keep.reach, distance), keep.least);
+    const double thickness = keep.thickness ? keep.thickness(kind, pair.nodes) : 0.0;
+    const double kept = thickness + std::max(keep.share * std::min(keep.reach, distance - thickness), keep.least);
     // Half of a distance: it is not a proven bound itself.
     if (0.5 * distance - most_approach(stop - start, first) <= kept)
       asker.add(start, stop, kept, pair.nodes);

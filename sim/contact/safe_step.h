@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 
 #include "sim/contact/broad_phase.h"
 
@@ -15,9 +16,12 @@ struct SafeStep {
 
 /// What must be left of the distance of a pair.
 struct KeptDistance {
-  double share = 0.1; ///< of the distance it has at the start, or of `reach` if that is less
-  double reach = 0.0; ///< pairs that stay further apart than this do not limit a step [m]
+  double share = 0.1; ///< of the gap it has at the start, or of `reach` if that is less
+  double reach = 0.0; ///< pairs whose gap stays larger than this do not limit a step [m]
   double least = 0.0; ///< [m]; covers what rounding of the positions does afterwards
+  /// How much of a pair's distance is thickness, which is no gap [m]; at most `most_thickness`. Empty: none is.
+  std::function<double(PairKind, const std::array<std::int32_t, 4>&)> thickness = {};
+  double most_thickness = 0.0;
 };
 
 /// The largest fraction of the straight way `from` -> `to` that is proven to leave every candidate pair apart, with at

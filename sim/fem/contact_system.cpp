@@ -27,6 +27,8 @@ constexpr double ROOM_SHARE = 0.25;
 /// Ways that bend a body by more rooms than this are not asked for whole: a direction along negative curvature has no
 /// length of its own, and its list would be of everything with everything.
 constexpr double MOST_ROOMS = 64.0;
+/// No barrier becomes stiffer than so many times what was chosen from the scene: beyond, Newton only gets stuck.
+constexpr double MOST_STIFFENING = 65536.0;
 constexpr std::size_t GRAIN = 2048;
 
 class Stopwatch {
@@ -118,8 +120,10 @@ Result<std::unique_ptr<ContactSystem>> ContactSystem::create(const FemPlan& plan
 
 Status ContactSystem::add_parts() {
   const FemModel& model = m_scene.model;
-  for (std::size_t i = 0; i < model.bodies.size(); ++i)
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     m_surface.add_part(model.bodies[i].node_count, surface_of(m_plan.bodies[i], m_scene.meshes[i]));
+    m_half_thickness.push_back(0.5 * m_plan.bodies[i].thickness);
+  }
   double edge = std::numeric_limits<double>::infinity();
   for (const double length : m_scene.edges)
     edge = std::min(edge, length);
@@ -142,6 +146,8 @@ Status ContactSystem::add_parts() {
         triangles.push_back(triangle);
     }
     const int part = m_surface.add_part(static_cast<int>(mesh->vertices.rows()), triangles, segments, loose);
+    const auto* sheet = std::get_if<scene::MeshObstacle>(&collider.shape);
+    m_half_thickness.push_back(sheet != nullptr && !sheet->closed ? 0.5 * sheet->thickness : 0.0);
     for (std::size_t body = 0; body < model.bodies.size(); ++body)
       m_surface.let_meet(static_cast<int>(body), part);
     m_obstacles.push_back(std::move(obstacle));
@@ -150,6 +156,13 @@ Status ContactSystem::add_parts() {
     for (int b = a; b < static_cast<int>(model.bodies.size()); ++b) {
       if (a == b ? m_plan.contact->within_bodies : m_plan.contact->between_bodies)
         m_surface.let_meet(a, b);
+    }
+  }
+  for (int a = 0; a < m_surface.part_count(); ++a) {
+    for (int b = 0; b < m_surface.part_count(); ++b) {
+      if (m_surface.meet(a, b))
+        m_most_thickness = std::max(m_most_thickness, m_half_thickness[static_cast<std::size_t>(a)] +
+                                                          m_half_thickness[static_cast<std::size_t>(b)]);
     }
   }
   const Eigen::Index obstacle_nodes = m_surface.node_count() - m_unknown_nodes;
@@ -178,6 +191,10 @@ Status ContactSystem::add_parts() {
 std::size_t ContactSystem::slot(int a, int b) const {
   return static_cast<std::size_t>(std::min(a, b)) * static_cast<std::size_t>(m_surface.part_count()) +
          static_cast<std::size_t>(std::max(a, b));
+}
+
+void ContactSystem::stiffen(std::size_t slot, double factor) {
+  m_stiffness[slot] = std::min(factor * m_stiffness[slot], MOST_STIFFENING * m_least_stiffness[slot]);
 }
 
 std::string ContactSystem::part_name(int part) const {
@@ -223,6 +240,7 @@ void ContactSystem::choose_coefficients() {
         m_friction[index] = friction_of(m_plan.bodies[a].material.name, m_plan.bodies[b].material.name);
     }
   }
+  m_least_stiffness = m_stiffness;
 }
 
 Status ContactSystem::check_start() {
@@ -239,6 +257,8 @@ Status ContactSystem::check_start() {
   }
   const double rounding = ROUNDING_UNITS * std::numeric_limits<double>::epsilon() * m_all.cwiseAbs().maxCoeff();
   const Gaps gaps = measure(m_scene.start_positions);
+  if (gaps.least < 0.0)
+    return check_thickness();
   if (gaps.least <= rounding)
     return make_error(ErrorCode::bad_input,
                       "the least gap at the start is {:.3g} m, which rounding of positions (about {:.3g} m) could "
@@ -247,12 +267,31 @@ Status ContactSystem::check_start() {
   return {};
 }
 
+/// Names the first pair that is nearer than it is thick.
+Status ContactSystem::check_thickness() const {
+  for (const ContactPair& pair : m_pairs) {
+    const double gap = std::sqrt(contact::squared_distance(pair.kind, points_of(pair))) - pair.thickness;
+    if (gap >= 0.0)
+      continue;
+    const Vec3 at = points_of(pair).row(0);
+    return make_error(ErrorCode::bad_input,
+                      "{} and {} are together {:.3g} m thick, but {:.3g} m nearer than that at the start, near "
+                      "({:.6g}, {:.6g}, {:.6g}); move them apart, or make them thinner",
+                      part_name(pair.parts[0]), pair.parts[0] == pair.parts[1] ? "itself" : part_name(pair.parts[1]),
+                      pair.thickness, -gap, at.x(), at.y(), at.z());
+  }
+  return {};
+}
+
 void ContactSystem::pose_obstacles(double time, Points& out) const {
   out.resize(m_surface.node_count() - m_unknown_nodes, 3);
   for (const Obstacle& obstacle : m_obstacles) {
     const scene::Pose pose = obstacle.collider->motion.pose(time);
-    for (Eigen::Index i = 0; i < obstacle.rest.rows(); ++i)
-      out.row(obstacle.first_node - m_unknown_nodes + i) = pose.apply(obstacle.rest.row(i).transpose()).transpose();
+    const scene::MeshSequence* sequence = obstacle.collider->sequence();
+    const Points local = sequence != nullptr ? sequence->at(time) : Points();
+    const Points& vertices = sequence != nullptr ? local : obstacle.rest;
+    for (Eigen::Index i = 0; i < vertices.rows(); ++i)
+      out.row(obstacle.first_node - m_unknown_nodes + i) = pose.apply(vertices.row(i).transpose()).transpose();
   }
 }
 
@@ -270,7 +309,7 @@ void ContactSystem::begin_step(double start_time, double end_time) {
     return;
   place_obstacles(start_time);
   const bool moves = std::any_of(m_obstacles.begin(), m_obstacles.end(),
-                                 [](const Obstacle& obstacle) { return obstacle.collider->motion.moves(); });
+                                 [](const Obstacle& obstacle) { return obstacle.collider->moves(); });
   if (!moves)
     return;
   pose_obstacles(end_time, m_obstacle_end);
@@ -301,14 +340,22 @@ double ContactSystem::rest_limit(PairKind kind, const std::array<std::int32_t, 4
   return REST_SHARE * std::sqrt(contact::squared_distance(kind, gather(m_rest, nodes)));
 }
 
+/// Within a part that is near itself at rest, at most half of what is left there, so that a gap remains.
+double ContactSystem::thickness_of(PairKind kind, const std::array<std::int32_t, 4>& nodes) const {
+  const int a = m_surface.part_of_node(nodes[0]);
+  const int b = m_surface.part_of_node(nodes[3]);
+  const double whole = m_half_thickness[static_cast<std::size_t>(a)] + m_half_thickness[static_cast<std::size_t>(b)];
+  return a == b && whole > 0.0 ? std::min(whole, 0.5 * rest_limit(kind, nodes)) : whole;
+}
+
 const std::vector<ContactPair>& ContactSystem::pairs_at(const Points& positions) {
   if (m_pairs_at.rows() == positions.rows() && m_pairs_at == positions)
     return m_pairs;
   const Stopwatch watch(m_cost.search_ms);
   all_positions(positions);
   // Without room to move the lists are as short as they can be: what does not fit then is no scene to simulate.
-  if (!m_broad_phase->cover(m_all, m_all, m_distance, m_room))
-    m_broad_phase->cover(m_all, m_all, m_distance, 0.0);
+  if (!m_broad_phase->cover(m_all, m_all, m_distance + m_most_thickness, m_room))
+    m_broad_phase->cover(m_all, m_all, m_distance + m_most_thickness, 0.0);
   update_pairs();
   m_pairs_at = positions;
   return m_pairs;
@@ -344,14 +391,14 @@ void ContactSystem::add_near_pairs(contact::PairGroup group, PairKind kind) {
       const double squared = contact::squared_distance(kind, gather(m_all, candidate.nodes));
       if (squared >= reach * reach)
         continue;
-      ContactPair pair{kind, candidate.nodes, {}, m_distance, 0.0};
+      ContactPair pair{kind, candidate.nodes, {}, m_distance, thickness_of(kind, candidate.nodes), 0.0};
       pair.parts[0] = m_surface.part_of_node(candidate.nodes[0]);
       pair.parts[1] = m_surface.part_of_node(candidate.nodes[3]);
-      if (group == contact::PairGroup::within_parts) {
-        pair.activation = std::min(m_distance, rest_limit(kind, candidate.nodes));
-        if (squared >= pair.activation * pair.activation)
-          continue;
-      }
+      if (group == contact::PairGroup::within_parts)
+        pair.activation = std::min(m_distance, rest_limit(kind, candidate.nodes) - pair.thickness);
+      const double felt = pair.activation + pair.thickness;
+      if (squared >= felt * felt)
+        continue;
       if (kind == PairKind::edge_edge)
         pair.mollifier_threshold =
             contact::mollifier_threshold(m_edge_squares[candidate.first], m_edge_squares[candidate.second]);
@@ -392,7 +439,7 @@ double ContactSystem::safe_fraction(const Points& from, const Points& to) {
   Points end = part < 1.0 ? Points(from + part * (to - from)) : to;
   {
     const Stopwatch watch(m_cost.search_ms);
-    while (!m_broad_phase->cover(from, end, m_distance, m_room)) {
+    while (!m_broad_phase->cover(from, end, m_distance + m_most_thickness, m_room)) {
       part *= 0.5; // too many pairs come into reach: go a shorter way
       end = from + part * (to - from);
       if (part < 1e-6)
@@ -402,8 +449,14 @@ double ContactSystem::safe_fraction(const Points& from, const Points& to) {
   const Stopwatch watch(m_cost.safe_step_ms);
   const double rounding = ROUNDING_UNITS * std::numeric_limits<double>::epsilon() *
                           std::max(from.cwiseAbs().maxCoeff(), end.cwiseAbs().maxCoeff());
-  const contact::SafeStep step =
-      contact::find_safe_step(*m_broad_phase, from, end, {KEPT_SHARE, m_distance, rounding}, m_ccd, m_threads);
+  contact::KeptDistance keep{KEPT_SHARE, m_distance, rounding};
+  if (m_most_thickness > 0.0) {
+    keep.most_thickness = m_most_thickness;
+    keep.thickness = [this](PairKind kind, const std::array<std::int32_t, 4>& nodes) {
+      return thickness_of(kind, nodes);
+    };
+  }
+  const contact::SafeStep step = contact::find_safe_step(*m_broad_phase, from, end, keep, m_ccd, m_threads);
   if (step.nodes[0] >= 0)
     m_last_limit = step;
   return part * step.fraction;
@@ -418,7 +471,8 @@ ContactSystem::Gaps ContactSystem::measure(const Points& positions) {
   Gaps gaps;
   gaps.least = std::numeric_limits<double>::infinity();
   for (const ContactPair& pair : pairs_at(positions)) {
-    gaps.least = std::min(gaps.least, std::sqrt(contact::squared_distance(pair.kind, points_of(pair))));
+    gaps.least =
+        std::min(gaps.least, std::sqrt(contact::squared_distance(pair.kind, points_of(pair))) - pair.thickness);
     ++gaps.active;
   }
   return gaps;
@@ -427,18 +481,17 @@ ContactSystem::Gaps ContactSystem::measure(const Points& positions) {
 void ContactSystem::stiffen_crowded(const Points& positions, double share, double factor) {
   std::set<std::size_t> crowded;
   for (const ContactPair& pair : pairs_at(positions)) {
-    const double limit = share * pair.activation;
+    const double limit = pair.thickness + share * pair.activation;
     if (contact::squared_distance(pair.kind, points_of(pair)) < limit * limit)
       crowded.insert(slot(pair.parts[0], pair.parts[1]));
   }
   for (const std::size_t index : crowded)
-    m_stiffness[index] *= factor;
+    stiffen(index, factor);
 }
 
 void ContactSystem::stiffen_limiting(double factor) {
   if (m_last_limit.nodes[0] >= 0)
-    m_stiffness[slot(m_surface.part_of_node(m_last_limit.nodes[0]), m_surface.part_of_node(m_last_limit.nodes[3]))] *=
-        factor;
+    stiffen(slot(m_surface.part_of_node(m_last_limit.nodes[0]), m_surface.part_of_node(m_last_limit.nodes[3])), factor);
 }
 
 std::string ContactSystem::describe_limit() const {

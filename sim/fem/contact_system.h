@@ -20,6 +20,7 @@ struct ContactPair {
   std::array<std::int32_t, 4> nodes = {}; ///< obstacles' nodes follow the unknowns'
   std::int32_t parts[2] = {0, 0};
   double activation = 0.0;          ///< d-hat of this pair [m]
+  double thickness = 0.0;           ///< what of its distance is matter of plates and thick sheets, and no gap [m]
   double mollifier_threshold = 0.0; ///< of edges, else 0
 };
 
@@ -96,11 +97,14 @@ private:
   Status check_start();
   std::string part_name(int part) const;
   std::size_t slot(int a, int b) const;
+  void stiffen(std::size_t slot, double factor);
   void pose_obstacles(double time, Points& out) const;
   const Points& all_positions(const Points& positions);
   void update_pairs();
   void add_near_pairs(contact::PairGroup group, contact::PairKind kind);
   double rest_limit(contact::PairKind kind, const std::array<std::int32_t, 4>& nodes) const;
+  double thickness_of(contact::PairKind kind, const std::array<std::int32_t, 4>& nodes) const;
+  Status check_thickness() const;
   double safe_fraction(const Points& from, const Points& to);
 
   const FemPlan& m_plan;
@@ -118,9 +122,12 @@ private:
   Points m_from, m_to;
   Points m_obstacle_start, m_obstacle_end; ///< rows of obstacles only
   double m_obstacle_share = 1.0;
-  std::vector<double> m_edge_squares; ///< squared rest lengths of the surface's edges
-  std::vector<double> m_stiffness;    ///< parts x parts [N/m]
-  std::vector<Friction> m_friction;   ///< parts x parts
+  std::vector<double> m_half_thickness;  ///< of parts: plates, and open meshes that are thick [m]
+  double m_most_thickness = 0.0;         ///< of two parts that may meet [m]
+  std::vector<double> m_edge_squares;    ///< squared rest lengths of the surface's edges
+  std::vector<double> m_stiffness;       ///< parts x parts [N/m]
+  std::vector<double> m_least_stiffness; ///< as chosen from the scene: what it grows from
+  std::vector<Friction> m_friction;      ///< parts x parts
   std::vector<ContactPair> m_pairs;
   std::vector<std::vector<ContactPair>> m_chunks;
   Points m_pairs_at;              ///< where the pairs hold

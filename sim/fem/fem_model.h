@@ -56,9 +56,10 @@ struct FemModel {
   DofLayout layout;
   std::vector<BodyNodes> bodies;
   std::vector<int> body_of_node;
-  std::vector<double> mass;        ///< per node [kg]
-  std::vector<double> rotary_mass; ///< per node: integral of j0 [kg m^2]; zero where there is none
-  std::vector<double> damping;     ///< per node: mass-proportional [1/s]; empty: none
+  std::vector<double> mass;           ///< per node [kg]
+  std::vector<double> rotary_mass;    ///< per node: integral of j0 [kg m^2]; zero where there is none
+  std::vector<double> damping;        ///< per node: mass-proportional [1/s]; empty: none
+  std::vector<double> half_thickness; ///< per node: what a plate is thick on either side [m]; empty: no plates
   DriveSprings springs;
   std::vector<NodeLoad> loads;
   const Quaternions* rotations = nullptr; ///< the nodes' stored rotations, which the simulation keeps in place

@@ -11,6 +11,7 @@
 #include "sim/fem/kernels/mixed_table.h"
 #include "sim/fem/mixed_term.h"
 #include "sim/fem/terms/barrier.h"
+#include "sim/fem/terms/node_terms.h"
 
 namespace wry::fem {
 
@@ -132,6 +133,10 @@ int add_nodes(const FemBody& body, FemScene& scene) {
   if (body.material.mass_damping > 0.0 || !model.damping.empty()) {
     model.damping.resize(first_node, 0.0);
     model.damping.resize(first_node + count, body.material.mass_damping);
+  }
+  if (body.thickness > 0.0 || !model.half_thickness.empty()) {
+    model.half_thickness.resize(first_node, 0.0);
+    model.half_thickness.resize(first_node + count, 0.5 * body.thickness);
   }
   scene.start_positions.conservativeResize(first_node + count, 3);
   scene.start_positions.bottomRows(count) = mesh.vertices;
@@ -267,10 +272,6 @@ Result<FemScene> build_scene(const FemPlan& plan, Isa isa, const Threads& thread
 
 namespace {
 
-double gap_to(const scene::PlaneCollider& plane, const Points& positions, int node) {
-  return plane.normal.dot(positions.row(node).transpose() - plane.point);
-}
-
 /// The least gap at which a body, moved as a whole, is carried by the barrier: its weight against the plane, or d-hat.
 double resting_gap(const FemScene& scene, const BodyNodes& body, const scene::PlaneCollider& plane, double least,
                    const ContactState& contact, double stiffness) {
@@ -283,9 +284,10 @@ double resting_gap(const FemScene& scene, const BodyNodes& body, const scene::Pl
     const double gap = 0.5 * (low + high);
     double force = 0.0;
     for (int node = body.first_node; node < body.first_node + body.node_count; ++node) {
-      if (!contact.ignored[node])
-        force -= evaluate_barrier(gap_to(plane, scene.start_positions, node) - least + gap, contact.distance, stiffness)
-                     .slope;
+      if (!contact.ignored[node]) {
+        const double above = plane_gap(scene.model, plane, scene.start_positions, node) - least;
+        force -= evaluate_barrier(above + gap, contact.distance, stiffness).slope;
+      }
     }
     (force > weight ? low : high) = gap;
   }
@@ -301,7 +303,7 @@ Status clear_planes(const FemPlan& plan, const ContactState& contact, FemScene& 
       double least = std::numeric_limits<double>::infinity();
       int lowest = 0;
       for (int node = body.first_node; node < body.first_node + body.node_count; ++node) {
-        const double gap = gap_to(plane, scene.start_positions, node);
+        const double gap = plane_gap(scene.model, plane, scene.start_positions, node);
         if (!contact.ignored[node] && gap < least) {
           least = gap;
           lowest = node;

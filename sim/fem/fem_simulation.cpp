@@ -33,6 +33,8 @@ enum class FrictionPass { rough, near, last };
 /// A body that comes nearer than this share of d-hat gets a stiffer barrier for the steps to come.
 constexpr double CROWDED_SHARE = 0.02;
 constexpr double STIFFEN_BY = 4.0;
+/// A step that was cut so often goes on with contacts as stiff as before it.
+constexpr int CUTS_WITH_STIFFER = 9;
 constexpr int FIRST_GUESS_PASSES = 3;
 
 class Simulation final : public FemSimulation {
@@ -318,6 +320,7 @@ Result<StepStats> Simulation::step(double end) {
   if (!(end > m_state.time))
     return make_error(ErrorCode::usage, "cannot step from {} s to {} s", m_state.time, end);
   NewtonReport total;
+  std::vector<double> stiffness_before; ///< of contacts, once a step had to be cut
   for (;;) {
     // Steps end where a hold ends or a motion has a corner, and are short where a drive turns fast.
     const double event = m_boundary.next_event(m_state.time, end);
@@ -331,9 +334,16 @@ Result<StepStats> Simulation::step(double end) {
       break;
     }
     ++stats.cuts;
-    // A barrier that is too soft for the momentum that meets it makes Newton crawl.
-    if (m_contact_system && !m_plan.settings.contact_stiffness)
-      m_contact_system->stiffen_limiting(STIFFEN_BY);
+    // A barrier that is too soft for the momentum that meets it makes Newton crawl. If the step does not get on with a
+    // stiffer one either, that was not to blame.
+    if (m_contact_system && !m_plan.settings.contact_stiffness) {
+      if (stats.cuts == 1)
+        stiffness_before = m_contact_system->stiffnesses();
+      if (stats.cuts < CUTS_WITH_STIFFER)
+        m_contact_system->stiffen_limiting(STIFFEN_BY);
+      if (stats.cuts == CUTS_WITH_STIFFER)
+        m_contact_system->stiffnesses() = stiffness_before;
+    }
     if (!m_control.failed(next.dt))
       return give_up(next.dt, report);
   }

@@ -162,6 +162,9 @@ void Boundaries::begin_step(double time, double dt) {
     const scene::Motion& motion = obstacle.field.collider().motion;
     obstacle.pose = motion.pose(time + dt);
     obstacle.twist = motion.moves() ? motion.twist(time + 0.5 * dt) : scene::Twist{};
+    obstacle.field.deform_to(time + dt);
+    if (obstacle.drawn)
+      obstacle.drawn->deform_to(time + dt);
   };
   for (Obstacle& obstacle : m_obstacles)
     place(obstacle);
@@ -173,8 +176,13 @@ void Boundaries::begin_step(double time, double dt) {
 
 double Boundaries::max_speed(double time, double dt) const {
   double greatest = 0.0;
+  double deforming = 0.0;
   const auto look = [&](const Obstacle& obstacle) {
     const scene::Collider& collider = obstacle.field.collider();
+    if (const scene::MeshSequence* sequence = collider.sequence()) {
+      for (const double at : {time, time + dt})
+        deforming = std::max(deforming, std::sqrt(sequence->velocities_at(at).rowwise().squaredNorm().maxCoeff()));
+    }
     if (!collider.motion.moves())
       return;
     const scene::ObstacleBounds bounds = scene::obstacle_bounds(collider.shape);
@@ -196,7 +204,7 @@ double Boundaries::max_speed(double time, double dt) const {
     if (held.active)
       look(held.space);
   }
-  return greatest;
+  return greatest + deforming;
 }
 
 double Boundaries::clear_of_block(const Obstacle& obstacle, const BlockCoord& coord) const {
@@ -217,7 +225,7 @@ void Boundaries::constrain_nodes(const BlockCoord& coord, Scalar* values, std::v
   const double surface = ON_SURFACE * m_cell;
   struct Touched {
     const Obstacle* obstacle;
-    Vec3 normal;
+    Vec3 normal, velocity;
   };
   std::vector<Near> near;
   std::vector<Touched> touched;
@@ -245,14 +253,15 @@ void Boundaries::constrain_nodes(const BlockCoord& coord, Scalar* values, std::v
     touched.clear();
     Freedom freedom;
     for (const auto& [obstacle, clear] : near) {
-      if (from_middle >= clear && obstacle->field.distance(obstacle->pose, at, 2.0 * surface) <= surface)
-        touched.push_back({obstacle, obstacle->field.sample(obstacle->pose, at).normal});
+      if (from_middle < clear || obstacle->field.distance(obstacle->pose, at, 2.0 * surface) > surface)
+        continue;
+      const scene::ColliderSample sample = obstacle->field.sample(obstacle->pose, at);
+      touched.push_back({obstacle, sample.normal, obstacle->twist.at(at) + sample.velocity});
     }
     // Corners: what one wall pushes into another is pushed out again.
     for (int round = touched.size() > 1 ? 2 : 1; round > 0; --round) {
-      for (const auto& [obstacle, normal] : touched) {
+      for (const auto& [obstacle, normal, wall] : touched) {
         const scene::Collider& collider = obstacle->field.collider();
-        const Vec3 wall = obstacle->twist.at(at);
         const Vec3 after = contact_velocity(velocity, wall, normal, collider.contact, collider.friction);
         if (found != nullptr && (after != velocity || collider.contact != scene::ColliderContact::separate))
           freedom.touch(normal, after == wall);
@@ -309,7 +318,7 @@ std::optional<ObstacleContact> Boundaries::nearest_obstacle(const std::vector<Ne
     const scene::ColliderField& seen = obstacle.drawn ? *obstacle.drawn : obstacle.field;
     const scene::ColliderSample sample = seen.sample(obstacle.pose, point);
     if (sample.distance < wanted)
-      nearest = ObstacleContact{sample.distance, sample.normal, obstacle.twist.at(point)};
+      nearest = ObstacleContact{sample.distance, sample.normal, obstacle.twist.at(point) + sample.velocity};
   }
   return nearest;
 }
@@ -327,7 +336,7 @@ bool Boundaries::push_out(const std::vector<NearWall>& walls, Vec3& position, Ve
       if (sample.distance >= 0.0)
         continue;
       position -= sample.distance * sample.normal;
-      const double into = (velocity - obstacle.twist.at(position)).dot(sample.normal);
+      const double into = (velocity - obstacle.twist.at(position) - sample.velocity).dot(sample.normal);
       if (into < 0.0)
         velocity -= into * sample.normal;
       again = walls.size() > 1;

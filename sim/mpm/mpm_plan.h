@@ -62,6 +62,7 @@ struct MpmSettings {
   double max_deformation = 0.3;              ///< of dt |L| in a step
   std::optional<double> time_step;           ///< [s]; cut where it is unstable
   std::optional<SemiImplicit> semi_implicit; ///< absent: explicit
+  bool keep_fields = false;                  ///< MpmSimulation::take_fields() has what grains were carried by
 };
 
 /// Everything the material point method of a scene needs, immutable.

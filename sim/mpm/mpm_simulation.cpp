@@ -5,13 +5,15 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include <Eigen/Geometry>
 
 #include "sim/base/rotation.h"
 
 #include "sim/mpm/boundaries.h"
-#include "sim/mpm/grains/sub_particles.h"
+#include "sim/mpm/grains/grain_followers.h"
 #include "sim/mpm/kernels/transfer_table.h"
 #include "sim/mpm/mpm_state.h"
 #include "sim/mpm/semi_implicit.h"
@@ -70,6 +72,10 @@ public:
   Totals totals() const override;
   SceneStatic scene_static() const override;
   Frame snapshot(int number) const override;
+  std::vector<GrainUpdate> take_fields() override { return m_grains->take_fields(); }
+  Status replay(const std::vector<GrainUpdate>& updates) override {
+    return m_grains->replay(updates, m_boundaries, m_threads);
+  }
   StateArchive archive() const override;
   Status restore(const StateArchive& archive) override;
   std::size_t memory_bytes() const override;
@@ -91,7 +97,6 @@ private:
   Status gather(double dt, StepStats& stats);
   BlockReport gather_block(std::size_t block, double dt);
   bool keep_out_of_walls(std::size_t body, const BlockRun& run, const std::vector<NearWall>& walls);
-  void carry_grains(const ChosenStep& chosen);
   Error lost_particle(const BlockReport& report, double dt) const;
   double stiffest_speed() const;
 
@@ -110,7 +115,7 @@ private:
   Grid<Scalar> m_grid;
   SemiImplicitSolver<Scalar> m_implicit;       ///< of semi-implicit steps
   std::vector<AlignedVector<Scalar>> m_frozen; ///< per body: what its tangent kernel has frozen
-  std::vector<SubParticles> m_grains;          ///< of the bodies that have some, in their order
+  std::optional<GrainFollowers> m_grains;      ///< once there are particles
   std::vector<BlockRuns> m_blocks;             ///< per occupied block
   std::array<std::vector<std::int32_t>, COLOURS> m_colours;
 };
@@ -136,25 +141,9 @@ template <class Scalar> Status Simulation<Scalar>::initialise() {
     if (Status status = add_particles(b); !status)
       return status;
   }
-  for (const MpmBody& body : m_plan.bodies) {
-    if (!body.sub_particles)
-      continue;
-    const Quaternions one = quaternion_of(body.frame).transpose();
-    const SubParticleStart start{*body.positions, body.particle_volume, body.frames ? *body.frames : one,
-                                 body.initial_velocity, body.material.density};
-    m_grains.emplace_back(*body.sub_particles, start);
-    m_grains.back().leave_obstacles(m_boundaries, m_plan.settings.cell);
-  }
+  m_grains.emplace(m_plan, m_boundaries);
   make_blocks();
   return {};
-}
-
-/// Grains follow the grid of the step that has been made; all of them when it ends a frame.
-template <class Scalar> void Simulation<Scalar>::carry_grains(const ChosenStep& chosen) {
-  const SubParticles::When when = chosen.lands ? SubParticles::When::now : SubParticles::When::as_needed;
-  for (SubParticles& grains : m_grains)
-    grains.follow(m_grid, m_boundaries, m_plan.gravity, m_plan.settings.cell, chosen.dt, m_state.max_speed,
-                  m_state.max_gradient, when, m_threads);
 }
 
 /// Adds the particles of the plan's body once more, as they are at the start.
@@ -501,7 +490,8 @@ template <class Scalar> Result<StepStats> Simulation<Scalar>::step(double end) {
   if (Status status = gather(chosen.dt, stats); !status)
     return status.error();
   const Clock::time_point before_grains = Clock::now();
-  carry_grains(chosen);
+  m_grains->follow(m_grid, m_boundaries, m_state.time,
+                   {chosen.dt, m_state.max_speed, m_state.max_gradient, chosen.lands}, m_threads);
   stats.grains_ms = ms_since(before_grains);
   m_state.time = chosen.lands ? end : m_state.time + chosen.dt;
   stats.time = m_state.time;
@@ -567,8 +557,7 @@ template <class Scalar> SceneStatic Simulation<Scalar>::scene_static() const {
     described.grain.size = Vec3::Constant(std::cbrt(body.particle_volume * 6.0 / std::numbers::pi));
     scene.bodies.push_back(std::move(described));
   }
-  for (const SubParticles& grains : m_grains)
-    scene.bodies.push_back(grains.scene_body());
+  m_grains->add_to(scene);
   return scene;
 }
 
@@ -578,35 +567,29 @@ template <class Scalar> Frame Simulation<Scalar>::snapshot(int number) const {
   frame.time = m_state.time;
   for (std::size_t b = 0; b < m_plan.bodies.size(); ++b)
     frame.bodies.push_back(snapshot_body(m_plan.bodies[b], m_state.sets[b], m_plan.settings.cell));
-  for (const SubParticles& grains : m_grains)
-    frame.bodies.push_back(grains.snapshot());
+  m_grains->add_to(frame);
   return frame;
 }
 
 template <class Scalar> StateArchive Simulation<Scalar>::archive() const {
   StateArchive archive = archive_state(m_state);
-  for (std::size_t i = 0; i < m_grains.size(); ++i)
-    m_grains[i].archive(fmt::format("mpm/grains{}", i), archive);
+  m_grains->archive(archive);
   return archive;
 }
 
 template <class Scalar> Status Simulation<Scalar>::restore(const StateArchive& archive) {
   if (Status status = restore_state(archive, m_state); !status)
     return status;
-  for (std::size_t i = 0; i < m_grains.size(); ++i) {
-    if (Status status = m_grains[i].restore(fmt::format("mpm/grains{}", i), archive); !status)
-      return status;
-  }
+  if (Status status = m_grains->restore(archive); !status)
+    return status;
   make_blocks();
   return {};
 }
 
 template <class Scalar> std::size_t Simulation<Scalar>::memory_bytes() const {
-  std::size_t bytes = m_grid.memory_bytes() + m_implicit.memory_bytes();
+  std::size_t bytes = m_grid.memory_bytes() + m_implicit.memory_bytes() + m_grains->memory_bytes();
   for (const AlignedVector<Scalar>& frozen : m_frozen)
     bytes += frozen.capacity() * sizeof(Scalar);
-  for (const SubParticles& grains : m_grains)
-    bytes += grains.count() * BYTES_PER_GRAIN;
   for (const SortedSet<Scalar>& set : m_state.sets) {
     // While particles are sorted there are two copies, and where each goes.
     bytes += set.particles.tiles() * WIDTH * (2 * set.particles.bytes_per_particle() + 100);

@@ -4,6 +4,7 @@
 
 #include "sim/base/isa.h"
 #include "sim/base/result.h"
+#include "sim/mpm/grains/grid_snapshot.h"
 #include "sim/mpm/mpm_plan.h"
 #include "sim/mpm/time_step.h"
 #include "sim/state/frame.h"
@@ -54,6 +55,11 @@ public:
 
   virtual SceneStatic scene_static() const = 0;
   virtual Frame snapshot(int number) const = 0;
+  /// What carried grains since this was last asked, where settings.keep_fields says so; else nothing.
+  virtual std::vector<GrainUpdate> take_fields() = 0;
+  /// Brings the grains, and nothing else, forward as these say: to the same bits as when they were kept. Errors:
+  /// bad_input where they are not those of these bodies.
+  virtual Status replay(const std::vector<GrainUpdate>& updates) = 0;
   virtual StateArchive archive() const = 0;
   virtual Status restore(const StateArchive& archive) = 0;
   virtual std::size_t memory_bytes() const = 0;

@@ -90,11 +90,22 @@ ObstacleBounds bounds_of(const CylinderObstacle& cylinder) {
 
 ObstacleBounds bounds_of(const MeshObstacle& mesh) {
   const Vec3 half = Vec3::Constant(0.5 * mesh.thickness);
-  return {mesh.mesh->vertices.colwise().minCoeff().transpose() - half,
-          mesh.mesh->vertices.colwise().maxCoeff().transpose() + half};
+  ObstacleBounds bounds{mesh.mesh->vertices.colwise().minCoeff().transpose() - half,
+                        mesh.mesh->vertices.colwise().maxCoeff().transpose() + half};
+  for (std::size_t i = 0; mesh.sequence && i < mesh.sequence->samples.size(); ++i) {
+    const Points& sample = mesh.sequence->samples[i];
+    bounds.low = bounds.low.cwiseMin(sample.colwise().minCoeff().transpose() - half);
+    bounds.high = bounds.high.cwiseMax(sample.colwise().maxCoeff().transpose() + half);
+  }
+  return bounds;
 }
 
 } // namespace
+
+const MeshSequence* Collider::sequence() const {
+  const auto* mesh = std::get_if<MeshObstacle>(&shape);
+  return mesh != nullptr ? mesh->sequence.get() : nullptr;
+}
 
 bool BoxObstacle::is_container() const {
   return std::find(open.begin(), open.end(), true) != open.end();

@@ -9,6 +9,7 @@
 #include "sim/base/result.h"
 #include "sim/base/types.h"
 #include "sim/geometry/surface_mesh.h"
+#include "sim/scene/mesh_sequence.h"
 #include "sim/scene/motion.h"
 
 namespace wry::scene {
@@ -58,6 +59,7 @@ struct MeshObstacle {
   std::shared_ptr<const geometry::SurfaceMesh> mesh; ///< outward when closed
   bool closed = true;
   double thickness = 0.0; ///< of an open sheet; grid methods cannot feel less than a cell
+  std::shared_ptr<const MeshSequence> sequence = nullptr; ///< where its vertices are over time; null: as in `mesh`
 };
 using ObstacleShape = std::variant<PlaneObstacle, BoxObstacle, SphereObstacle, CylinderObstacle, MeshObstacle>;
 
@@ -77,13 +79,17 @@ struct Collider {
   Motion motion;
   std::string look;  ///< of its pictures; empty: the default
   bool shown = true; ///< drawn; planes are drawn as the ground only
+
+  /// Of a mesh that deforms, else null.
+  const MeshSequence* sequence() const;
+  bool moves() const { return motion.moves() || sequence() != nullptr; }
 };
 
 /// The surface of a shape where it rests, outward, with edges of about `edge` [m] where it is curved; walls of an open
 /// box are a solid each. Errors: bad_input for planes, which have no end.
 Result<geometry::SurfaceMesh> obstacle_surface(const ObstacleShape& shape, double edge);
 
-/// The least box around the shape where it rests; planes: infinite.
+/// The least box around the shape where it rests, of a mesh that deforms at all times; planes: infinite.
 struct ObstacleBounds {
   Vec3 low, high; ///< [m]
 };

@@ -309,12 +309,51 @@ struct Sheet final : ColliderField::Shape {
   std::unique_ptr<const DistanceBounds> bounds; ///< null: the exact distance is wanted, and not often
 };
 
-MadeShape make_sheet(const MeshObstacle& mesh, const ColliderFieldSettings& settings) {
-  const double half = 0.5 * std::max(mesh.thickness, settings.least_wall);
-  return std::shared_ptr<const ColliderField::Shape>(std::make_shared<Sheet>(*mesh.mesh, half, settings.voxel));
+double half_wall(const MeshObstacle& mesh, const ColliderFieldSettings& settings) {
+  return 0.5 * std::max(mesh.thickness, settings.least_wall);
 }
 
+MadeShape make_sheet(const MeshObstacle& mesh, const ColliderFieldSettings& settings) {
+  return std::shared_ptr<const ColliderField::Shape>(
+      std::make_shared<Sheet>(*mesh.mesh, half_wall(mesh, settings), settings.voxel));
+}
+
+/// A mesh at one moment of its deformation: a solid when it is closed, else with half its thickness on both sides.
+struct Deformed final : ColliderField::Shape {
+  Deformed(const MeshObstacle& mesh, double time, double half_)
+      : tree({mesh.sequence->at(time), mesh.mesh->triangles, {}})
+      , velocities(mesh.sequence->velocities_at(time))
+      , closed(mesh.closed)
+      , half(half_) {}
+  double distance(const Vec3& point, double reach) const override {
+    if (closed)
+      return tree.signed_distance(point);
+    const geometry::ClosestPoint closest = tree.closest_within(point, reach + half);
+    return closest.triangle < 0 ? reach : closest.distance - half;
+  }
+  ColliderSample sample(const Vec3& point) const override {
+    const geometry::ClosestPoint closest = tree.closest(point);
+    const Vec3 away = point - closest.point;
+    const Vec3 outward = tree.pseudonormal(closest);
+    const double side = closed && away.dot(outward) < 0.0 ? -1.0 : 1.0;
+    ColliderSample sample;
+    sample.distance = side * closest.distance - (closed ? 0.0 : half);
+    sample.normal = closest.distance > 1e-12 ? Vec3(side / closest.distance * away) : outward;
+    for (int k = 0; k < 3; ++k)
+      sample.velocity +=
+          closest.barycentric[k] * velocities.row(tree.mesh().triangles(closest.triangle, k)).transpose();
+    return sample;
+  }
+  geometry::ClosestPointTree tree;
+  Points velocities;
+  bool closed;
+  double half;
+};
+
 MadeShape make_shape(const MeshObstacle& mesh, const ColliderFieldSettings& settings) {
+  if (mesh.sequence)
+    return std::shared_ptr<const ColliderField::Shape>(
+        std::make_shared<Deformed>(mesh, 0.0, half_wall(mesh, settings)));
   return mesh.closed ? make_solid(mesh, settings) : make_sheet(mesh, settings);
 }
 
@@ -328,7 +367,14 @@ Result<ColliderField> ColliderField::create(std::shared_ptr<const Collider> coll
   ColliderField field;
   field.m_collider = std::move(collider);
   field.m_shape = std::move(*shape);
+  if (const auto* mesh = std::get_if<MeshObstacle>(&field.m_collider->shape))
+    field.m_half_wall = half_wall(*mesh, settings);
   return field;
+}
+
+void ColliderField::deform_to(double time) {
+  if (m_collider->sequence() != nullptr)
+    m_shape = std::make_shared<Deformed>(std::get<MeshObstacle>(m_collider->shape), time, m_half_wall);
 }
 
 double ColliderField::distance(const Pose& pose, const Vec3& point, double reach) const {
@@ -338,6 +384,7 @@ double ColliderField::distance(const Pose& pose, const Vec3& point, double reach
 ColliderSample ColliderField::sample(const Pose& pose, const Vec3& point) const {
   ColliderSample sample = m_shape->sample(pose.apply_inverse(point));
   sample.normal = pose.rotation * sample.normal;
+  sample.velocity = pose.rotation * sample.velocity;
   return sample;
 }
 

@@ -11,8 +11,9 @@ namespace wry::scene {
 
 /// What a point sees of a collider.
 struct ColliderSample {
-  double distance = 0.0;       ///< [m], negative inside the matter of the collider
-  Vec3 normal = Vec3::UnitY(); ///< unit, away from the collider's matter, in the world
+  double distance = 0.0;        ///< [m], negative inside the matter of the collider
+  Vec3 normal = Vec3::UnitY();  ///< unit, away from the collider's matter, in the world
+  Vec3 velocity = Vec3::Zero(); ///< of its surface, beside that of its motion as a whole: of what deforms [m/s]
 };
 
 /// How far it is to a closed mesh.
@@ -31,7 +32,8 @@ struct ColliderFieldSettings {
 
 /// Signed distance to a collider at any time, for methods that test points: exact for planes, boxes, spheres and
 /// cylinders, an OpenVDB level set for closed meshes (bounded to the mesh's box: far outside it is a lower bound of the
-/// distance), exact two-sided distance minus half the thickness for open ones. Cheap to copy; queries may run on many
+/// distance), exact two-sided distance minus half the thickness for open ones. Meshes that deform are always exact, and
+/// stand where deform_to() put them last, at first where they are at time 0. Cheap to copy; queries may run on many
 /// threads.
 class ColliderField {
 public:
@@ -39,6 +41,8 @@ public:
   static Result<ColliderField> create(std::shared_ptr<const Collider> collider, const ColliderFieldSettings& settings);
 
   const Collider& collider() const { return *m_collider; }
+  /// Puts the vertices of a mesh that deforms where they are at a time [s]; of others, nothing changes.
+  void deform_to(double time);
   /// At a point of the world where the collider is in this pose.
   ColliderSample sample(const Pose& pose, const Vec3& point) const;
 
@@ -53,6 +57,7 @@ private:
   ColliderField() = default;
   std::shared_ptr<const Collider> m_collider;
   std::shared_ptr<const Shape> m_shape;
+  double m_half_wall = 0.0; ///< of an open mesh [m]
 };
 
 } // namespace wry::scene

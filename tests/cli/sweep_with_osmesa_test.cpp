@@ -65,6 +65,27 @@ TEST_F(Sweep, EveryWedgeIsWholeAndTheTableSheetAndPageTellOfAll) {
   EXPECT_EQ(meshes, 1u) << "both wedges have the same mesh: it is made once";
 }
 
+TEST_F(Sweep, RatiosBetweenWedgesAreOfTheirFrameAndWithoutACaseOfEveryOtherWedge) {
+  const std::string cases = R"([[sweep.case]]
+name = "soft"
+set = { "material.soft.youngs_modulus" = 1e4 }
+[[sweep.case]]
+name = "stiff"
+set = { "material.soft.youngs_modulus" = 8e5 }
+[expect.alike]
+measure = "height"
+ratio_to = "soft"
+min = 0.9999999
+max = 1.0000001
+)";
+  EXPECT_EQ(sweep(cases + "frame = 1\n").exit_code, 0) << "at the start both stand as they were made";
+  const Outcome later = sweep(cases + "frame = 3\n");
+  EXPECT_EQ(later.exit_code, 1);
+  EXPECT_THAT(later.err, HasSubstr("height of stiff over soft is"));
+  EXPECT_THAT(later.err, HasSubstr("at frame 3"));
+  EXPECT_EQ(sweep(cases).exit_code, 1) << "the last frame, where none is named";
+}
+
 TEST_F(Sweep, AddedValuesKeepNumbersAndRepeatNothing) {
   ASSERT_EQ(sweep(TWO).exit_code, 0);
   const std::vector<std::string> before = column("wedge");

@@ -50,6 +50,7 @@ TEST(Distance, IsThatOfTheNearestFeatures) {
     EXPECT_EQ(pair.parameters, c.parameters) << c.name;
     EXPECT_NEAR(pair.distance, c.distance, 1e-14) << c.name;
     EXPECT_NEAR(squared_distance(c.kind, c.points), c.distance * c.distance, 1e-14) << c.name;
+    EXPECT_NEAR((separating_direction(c.kind, c.points) - pair.normal).norm(), 0.0, 1e-12) << c.name;
     EXPECT_NEAR(pair.weights.sum(), 0.0, 1e-15) << c.name;
     EXPECT_NEAR((c.points.transpose() * pair.weights - pair.distance * pair.normal).norm(), 0.0, 1e-14) << c.name;
   }
@@ -74,6 +75,7 @@ TEST(Distance, AgreesWithABruteForceSearch) {
       EXPECT_LE(distance, best + 1e-12);
       EXPECT_GT(distance, best - 0.03);
       EXPECT_NEAR(squared_distance(kind, points), distance * distance, 1e-12);
+      EXPECT_NEAR((separating_direction(kind, points) - pair_distance(kind, points).normal).norm(), 0.0, 1e-8);
     }
   }
 }

@@ -59,7 +59,7 @@ Sample reference(const Material& material, const Matter& matter, double dt, cons
   Mat3 Q = rotation_matrix(s.frame);
   if (matter.frame == FrameMode::shape)
     Q = frame_turn(s.L, dt) * Q;
-  else
+  else if (matter.frame == FrameMode::polar)
     Q = left_polar(F_trial).rotation * Q;
   Matter own = matter;
   if (material.reorientation) {
@@ -179,6 +179,19 @@ TEST(MatterKernels, EveryLawInTheOtherFrameIsTheReference) {
     m.frame = m.plasticity == Plasticity::none ? FrameMode::shape : FrameMode::polar;
     m.stiffness_varies = true;
   });
+}
+
+TEST(MatterKernels, AxesThatAreFixedStayAsTheyAreHoweverTheMatterTurns) {
+  Material material = straw();
+  material.frame = FrameMode::fixed;
+  material.plasticity = Plasticity::drucker_prager;
+  expect_all(material, "fixed frame");
+  Dice dice(5);
+  const std::vector<Sample> before = samples_of(0.1, dice);
+  std::vector<Sample> after = before;
+  test::run_kernel<double>(material, native_isa(), 1e-3, after);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    EXPECT_EQ(after[i].frame, before[i].frame) << i;
 }
 
 TEST(MatterKernels, EveryGeneralMapIsTheReference) {

@@ -109,6 +109,41 @@ TEST(Walls, ThinSheetKeepsTwoPilesApart) {
   EXPECT_GE(least(*simulation, 0), CELL * (1.0 - 1e-3)); // half of the least wall of two cells
 }
 
+TEST(Walls, ASheetThatDeformsLiftsTheLoadAndKnowsItsSpeed) {
+  // A level sheet whose vertices rise at 0.4 m/s, one half of them a quarter of a second later than the other.
+  auto sheet = std::make_shared<geometry::SurfaceMesh>();
+  sheet->vertices.resize(6, 3);
+  sheet->vertices << -0.5, -0.5, 0, 0, -0.5, 0, 0.5, -0.5, 0, -0.5, 0.5, 0, 0, 0.5, 0, 0.5, 0.5, 0;
+  sheet->triangles.resize(4, 3);
+  sheet->triangles << 0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4;
+  auto sequence = std::make_shared<scene::MeshSequence>();
+  sequence->samples = {sheet->vertices, sheet->vertices, sheet->vertices};
+  sequence->interval = 0.25;
+  for (const int vertex : {0, 1, 3, 4})
+    sequence->samples[1](vertex, 2) = 0.1;
+  sequence->samples[2].col(2).setConstant(0.1);
+  MpmPlan plan = loose_sand(Vec3(-0.08, -0.08, CELL), Vec3(0.08, 0.08, 0.08));
+  plan.colliders.push_back(collider("sheet", scene::MeshObstacle{sheet, false, 0.0, sequence}));
+  const std::unique_ptr<MpmSimulation> simulation = make(std::move(plan));
+  run_to(*simulation, 0.2);
+  const auto height_of_sheet = [&](double time, double x) {
+    const Points now = sequence->at(time);
+    return now(1, 2) + std::max(0.0, x) / 0.5 * (now(2, 2) - now(1, 2));
+  };
+  const auto check_above = [&](double time) {
+    const Points positions = channel_of(*simulation, 0, "position");
+    for (Eigen::Index i = 0; i < positions.rows(); ++i) {
+      // Half of the least wall of two cells.
+      ASSERT_GT(positions(i, 2) - height_of_sheet(time, positions(i, 0)), CELL * (0.9 - 1e-3)) << time << " " << i;
+    }
+  };
+  check_above(0.2);
+  const Points velocities = channel_of(*simulation, 0, "velocity");
+  EXPECT_NEAR(velocities.col(2).mean(), 0.37, 0.05) << "in the middle it rises at nearly 0.4 m/s";
+  run_to(*simulation, 0.5);
+  check_above(0.5);
+}
+
 TEST(Colliders, FastBallDoesNotPassThrough) {
   // 50 m/s on a wall of two cells: the step shortens.
   MpmPlan plan = loose_sand(Vec3(-0.06, -0.06, 0.3), Vec3(0.06, 0.06, 0.42));

@@ -165,6 +165,74 @@ TEST(SubParticles, AreTheSameOnAnyNumberOfThreadsAndAfterARestart) {
   EXPECT_EQ(one->snapshot(1).bodies.back().channels[1].values, (*again)->snapshot(1).bodies.back().channels[1].values);
 }
 
+/// Sand that falls with its fields kept: frames of its grains, and what carried them to each.
+struct Kept {
+  std::vector<Frame> frames;
+  std::vector<std::vector<GrainUpdate>> fields;
+};
+Kept run_and_keep(const MpmPlan& plan) {
+  Kept kept;
+  auto simulation = MpmSimulation::create(plan, 1, Isa::sse4);
+  for (int frame = 1; frame <= 6; ++frame) {
+    while ((*simulation)->time() < frame / 24.0 * (1.0 - 1e-12))
+      EXPECT_TRUE((*simulation)->step(frame / 24.0));
+    kept.frames.push_back((*simulation)->snapshot(frame));
+    kept.fields.push_back((*simulation)->take_fields());
+  }
+  return kept;
+}
+
+void expect_same_grains(const Frame& a, const Frame& b) {
+  for (std::size_t c = 0; c < a.bodies.back().channels.size(); ++c)
+    EXPECT_EQ(a.bodies.back().channels[c].values, b.bodies.back().channels[c].values)
+        << a.bodies.back().channels[c].name << " of frame " << a.number;
+}
+
+TEST(SubParticles, OfAnotherSeedComeFromKeptFieldsToTheBitsThatSimulatingGives) {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    MpmPlan plan = falling_sand();
+    plan.settings.keep_fields = true;
+    plan.settings.precision = precision;
+    const Kept first = run_and_keep(plan);
+    plan.bodies[0].sub_particles->seed = 77;
+    plan.bodies[0].sub_particles->per_particle = 3;
+    const Kept simulated = run_and_keep(plan);
+    auto follower = MpmSimulation::create(plan, 1, Isa::sse4);
+    for (std::size_t frame = 0; frame < first.fields.size(); ++frame) {
+      StateArchive stored;
+      archive_updates(first.fields[frame], "kept", stored);
+      const Result<std::vector<GrainUpdate>> updates = restore_updates(stored, "kept");
+      ASSERT_TRUE(updates) << updates.error().message;
+      ASSERT_EQ(updates->size(), first.fields[frame].size());
+      ASSERT_TRUE((*follower)->replay(*updates));
+      expect_same_grains(simulated.frames[frame], (*follower)->snapshot(static_cast<int>(frame) + 1));
+    }
+  }
+}
+
+TEST(SubParticles, KeptFieldsSurviveACheckpointBetweenFrames) {
+  MpmPlan plan = falling_sand();
+  plan.settings.keep_fields = true;
+  auto simulation = MpmSimulation::create(plan, 1, Isa::sse4);
+  while ((*simulation)->time() < 0.04)
+    ASSERT_TRUE((*simulation)->step(1.0 / 24.0));
+  auto again = MpmSimulation::create(plan, 1, Isa::sse4);
+  ASSERT_TRUE((*again)->restore((*simulation)->archive()));
+  const std::vector<GrainUpdate> kept = (*simulation)->take_fields(), restored = (*again)->take_fields();
+  ASSERT_FALSE(kept.empty());
+  ASSERT_EQ(kept.size(), restored.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    EXPECT_EQ(kept[i].spans, restored[i].spans);
+    EXPECT_EQ(kept[i].grid.coords, restored[i].grid.coords);
+    EXPECT_EQ(kept[i].grid.occupied, restored[i].grid.occupied);
+    EXPECT_EQ(kept[i].grid.values, restored[i].grid.values);
+  }
+}
+
+TEST(SubParticles, WithoutKeepFieldsNoneAreKept) {
+  EXPECT_TRUE(run(falling_sand(), 1.0 / 24.0)->take_fields().empty());
+}
+
 TEST(SubParticles, CostNothingWhenThereAreNone) {
   MpmPlan plan = falling_sand();
   plan.bodies[0].sub_particles.reset();

@@ -34,30 +34,27 @@ std::string two_samples() {
   return bytes;
 }
 
-class PointCache : public ::testing::Test {
+class PointCacheFile : public ::testing::Test {
 protected:
-  Result<DeformingSurface> read(const std::string& bytes, int vertices = 3) const {
+  Result<PointCache> read(const std::string& bytes, int vertices = 3) const {
     std::ofstream(m_folder.path() / "a.pc2", std::ios::binary) << bytes;
-    geometry::SurfaceMesh mesh;
-    mesh.vertices = Points::Zero(vertices, 3);
-    mesh.triangles = Triangles::Zero(1, 3);
-    return read_point_cache(m_folder.path() / "a.pc2", mesh, 0.01);
+    return read_point_cache(m_folder.path() / "a.pc2", vertices);
   }
   TemporaryFolder m_folder;
 };
 
-TEST_F(PointCache, MovesStraightBetweenSamplesAndStandsStillOutside) {
-  const Result<DeformingSurface> surface = read(two_samples());
-  ASSERT_TRUE(surface.ok()) << surface.error().message;
-  EXPECT_DOUBLE_EQ(surface->at(10.0)(1, 0), 0.03);
-  EXPECT_DOUBLE_EQ(surface->at(11.0)(1, 0), 0.035) << "half way, two frames to a sample";
-  EXPECT_DOUBLE_EQ(surface->at(12.0)(1, 0), 0.04);
-  EXPECT_DOUBLE_EQ(surface->at(-5.0)(1, 0), 0.03);
-  EXPECT_DOUBLE_EQ(surface->at(99.0)(1, 0), 0.04);
-  EXPECT_DOUBLE_EQ(surface->at(11.0)(2, 2), 0.08);
+TEST_F(PointCacheFile, SamplesComeInUnitsOfTheFileWithTheirFrames) {
+  const Result<PointCache> cache = read(two_samples());
+  ASSERT_TRUE(cache.ok()) << cache.error().message;
+  EXPECT_EQ(cache->first_frame, 10.0);
+  EXPECT_EQ(cache->frames_per_sample, 2.0);
+  ASSERT_EQ(cache->samples.size(), 2u);
+  EXPECT_EQ(cache->samples[0](1, 0), 3.0);
+  EXPECT_EQ(cache->samples[1](1, 0), 4.0);
+  EXPECT_EQ(cache->samples[1](2, 2), 8.0);
 }
 
-TEST_F(PointCache, HeadersThatDoNotFitAreRefused) {
+TEST_F(PointCacheFile, HeadersThatDoNotFitAreRefused) {
   EXPECT_THAT(read(two_samples(), 4).error().message, HasSubstr("moves 3 points, the mesh has 4"));
   std::string bytes = two_samples();
   const std::int32_t many = std::numeric_limits<std::int32_t>::max();

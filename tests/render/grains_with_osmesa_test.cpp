@@ -38,6 +38,40 @@ TEST(Grains, EveryShapeIsDrawnAndCoversTheSameHeap) {
   }
 }
 
+/// The share of each pixel that something covers.
+std::vector<float> coverage(const RenderPlan& plan, const MeshScene& scene) {
+  std::vector<float> alpha;
+  Result<Renderer> renderer = Renderer::create(plan, scene.scene);
+  if (!renderer.ok())
+    return alpha;
+  const Result<LinearImage> image = renderer->draw_linear(scene.frame, {});
+  for (std::size_t i = 3; image.ok() && i < image->pixels.size(); i += 4)
+    alpha.push_back(static_cast<float>(image->pixels[i]));
+  return alpha;
+}
+
+/// Shadows of bricks are simpler than those of meshes: what can be alike is what they cover.
+TEST(Grains, OfAnArtistMeshThatIsABoxCoverWhatBricksCover) {
+  MeshScene scene = testing::heap(1500, {GrainShape::brick, Vec3(1, 2, 4)}, "straw");
+  const RenderPlan plan = testing::small_plan(scene);
+  const std::vector<float> bricks = coverage(plan, scene);
+  const geometry::SurfaceMesh box = testing::box(Vec3::Constant(-0.5), Vec3::Constant(0.5));
+  SceneBody& body = scene.scene.bodies[0];
+  body.grain.shape = GrainShape::mesh;
+  body.rest_positions = box.vertices;
+  body.triangles = box.triangles;
+  const std::vector<float> meshes = coverage(plan, scene);
+  ASSERT_FALSE(bricks.empty());
+  ASSERT_EQ(bricks.size(), meshes.size());
+  std::size_t covered = 0, apart = 0;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    covered += bricks[i] > 0.5F ? 1 : 0;
+    apart += std::abs(bricks[i] - meshes[i]) > 0.1F ? 1 : 0;
+  }
+  EXPECT_GT(covered, bricks.size() / 20);
+  EXPECT_LE(apart, bricks.size() / 2000);
+}
+
 TEST(Grains, ThoseHiddenBehindOthersAreNotMissed) {
   const MeshScene scene = testing::heap(60'000, {GrainShape::rod, Vec3(1, 1, 10)}, "straw");
   RenderPlan plan = testing::small_plan(scene);

@@ -80,7 +80,7 @@ Status check_intersections(const shots::Shot& shot, const fs::path& folder, Tall
 
 Status check_output_folder(const fs::path& folder) {
   Tally tally;
-  for (const char* part : {"frames", "checkpoints"}) {
+  for (const char* part : {"frames", "checkpoints", "fields"}) {
     if (Status status = check_manifest_folder(folder / part, tally); !status)
       return status;
   }

@@ -20,26 +20,48 @@ namespace wry::pipeline {
 
 namespace {
 
-/// Ratios between wedges, which no single wedge can hold against its expectation.
-Status check_ratios(const shots::Shot& shot, const std::vector<StudyRow>& rows) {
+/// What an expectation is about in a wedge: its measure on its frame, or on the last; NaN when it is not there.
+double measured_in(const StudyRow& row, const shots::Expectation& expectation) {
+  const CsvTable table = read_csv_table(row.folder / "measure.csv");
+  const std::vector<double> frames = table.numbers("frame"), values = table.numbers(*expectation.measure);
+  const std::size_t known = std::min(frames.size(), values.size());
+  for (std::size_t i = 0; i < known; ++i) {
+    if (expectation.frame ? frames[i] == static_cast<double>(**expectation.frame) : i + 1 == known)
+      return values[i];
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Ratios between wedges, which no single wedge can hold against its expectation. Without a case every other wedge must
+/// hold it. What is about a frame that was not asked for is not looked at.
+Status check_ratios(const ShotSession& session, const std::vector<StudyRow>& rows) {
   std::string failed;
-  const auto value_in = [&](const std::string& wedge, const std::string& measure) {
-    for (const StudyRow& row : rows) {
-      if (row.variant.name != wedge)
-        continue;
-      if (const std::string* value = find_measure(row, measure))
-        return number_of(*value);
-    }
-    return std::numeric_limits<double>::quiet_NaN();
-  };
-  for (const shots::Expectation& expectation : shot.expectations) {
-    if (!expectation.ratio_to || !expectation.sweep_case)
+  for (const shots::Expectation& expectation : session.shot.expectations) {
+    const bool asked_for =
+        !expectation.frame || std::find(session.frames.begin(), session.frames.end(),
+                                        static_cast<int>(**expectation.frame)) != session.frames.end();
+    if (!expectation.ratio_to || !asked_for)
       continue;
-    const double ratio = value_in(**expectation.sweep_case, *expectation.measure) /
-                         value_in(**expectation.ratio_to, *expectation.measure);
-    if ((expectation.min && !(ratio >= **expectation.min)) || (expectation.max && !(ratio <= **expectation.max)))
-      failed += fmt::format("\n  {}: {} of {} over {} is {:.4g}", expectation.source.text(), *expectation.measure,
-                            **expectation.sweep_case, **expectation.ratio_to, ratio);
+    const auto base = std::find_if(rows.begin(), rows.end(),
+                                   [&](const StudyRow& row) { return row.variant.name == **expectation.ratio_to; });
+    const double divisor =
+        base == rows.end() ? std::numeric_limits<double>::quiet_NaN() : measured_in(*base, expectation);
+    bool seen = false;
+    for (const StudyRow& row : rows) {
+      const bool meant = expectation.sweep_case ? row.variant.name == **expectation.sweep_case
+                                                : row.variant.name != **expectation.ratio_to;
+      if (!meant)
+        continue;
+      seen = true;
+      const double ratio = measured_in(row, expectation) / divisor;
+      if ((expectation.min && !(ratio >= **expectation.min)) || (expectation.max && !(ratio <= **expectation.max)))
+        failed += fmt::format("\n  {}: {} of {} over {} is {:.4g}{}", expectation.source.text(), *expectation.measure,
+                              row.variant.name, **expectation.ratio_to, ratio,
+                              expectation.frame ? fmt::format(" at frame {}", **expectation.frame) : "");
+    }
+    if (!seen)
+      failed +=
+          fmt::format("\n  {}: there is no wedge to divide by {}", expectation.source.text(), **expectation.ratio_to);
   }
   if (!failed.empty())
     return make_error(ErrorCode::check_failed, "expectations between wedges that do not hold:{}", failed);
@@ -138,7 +160,7 @@ Status sweep_verb(const Invocation& invocation) {
   if (bad > 0)
     return make_error(ErrorCode::check_failed, "{} of {} wedges are not done:\n{}", bad, study->rows.size(),
                       study_failures(study->rows));
-  return check_ratios(session->shot, study->rows);
+  return check_ratios(*session, study->rows);
 }
 
 } // namespace wry::pipeline

@@ -11,7 +11,7 @@ namespace wry::fem {
 
 namespace {
 
-constexpr std::size_t NODE_GRAIN = 2048;
+constexpr std::size_t NODE_GRAIN = 512;
 constexpr std::size_t ENTRY_GRAIN = 16384;
 /// How far a direction of negative curvature is followed, in lengths of the solution so far.
 constexpr double LONGEST_OVER_RIDGE = 3.0;

@@ -17,12 +17,4 @@ Barrier evaluate_barrier(double distance, double activation_distance, double sti
           -stiffness * (2.0 * logarithm + 4.0 * ratio - ratio * ratio)};
 }
 
-SmoothedSlip evaluate_slip(double slip, double smoothing) {
-  if (slip >= smoothing)
-    return {slip, 1.0 / slip, 0.0};
-  const double ratio = slip / smoothing;
-  return {smoothing * (ratio * ratio - ratio * ratio * ratio / 3.0 + 1.0 / 3.0), (2.0 - ratio) / smoothing,
-          2.0 * (1.0 - ratio) / smoothing};
-}
-
 } // namespace wry::fem

@@ -11,12 +11,4 @@ struct Barrier {
 };
 Barrier evaluate_barrier(double distance, double activation_distance, double stiffness);
 
-/// Smoothed friction: f0 of the slip y and h = friction velocity x dt (spec §5).
-struct SmoothedSlip {
-  double value = 0.0;           ///< f0 [m]
-  double slope_over_slip = 0.0; ///< f0' / y [1/m], finite at y = 0
-  double second = 0.0;          ///< f0'' [1/m]
-};
-SmoothedSlip evaluate_slip(double slip, double smoothing);
-
 } // namespace wry::fem

@@ -30,6 +30,9 @@ std::unique_ptr<EnergyTerm> make_pair_barrier(const FemModel& model, const Conta
 /// Coulomb friction of the same pairs; nullptr when none has friction.
 std::unique_ptr<EnergyTerm> make_pair_friction(const FemModel& model, const ContactState& contact);
 
+/// How far a node, with what a plate is thick there, is above a plane [m].
+double plane_gap(const FemModel& model, const scene::PlaneCollider& plane, const Points& positions, int node);
+
 /// The least gap between any free node and any plane, and how many gaps are below d-hat.
 struct PlaneGaps {
   double least = 0.0; ///< [m]; infinity when there is nothing to touch

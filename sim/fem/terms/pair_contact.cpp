@@ -6,6 +6,7 @@
 #include "sim/fem/contact_system.h"
 #include "sim/fem/terms/barrier.h"
 #include "sim/fem/terms/node_terms.h"
+#include "sim/fem/terms/slip.h"
 
 namespace wry::fem {
 
@@ -193,7 +194,7 @@ public:
 
 private:
   Barrier barrier_of(const ContactPair& pair, const PairDistance& distance) const {
-    return evaluate_barrier(distance.distance, pair.activation, m_system.stiffness(pair));
+    return evaluate_barrier(distance.distance - pair.thickness, pair.activation, m_system.stiffness(pair));
   }
 
   static Mollifier mollifier_of(const ContactPair& pair, const PairPoints& points) {
@@ -213,7 +214,8 @@ private:
       for (int b = a + 1; b < 4; ++b)
         most = std::max(most, (way.row(a) - way.row(b)).squaredNorm());
     }
-    return most < m_settled_share * m_settled_share * contact::squared_distance(pair.kind, points);
+    const double gap = std::sqrt(contact::squared_distance(pair.kind, points)) - pair.thickness;
+    return std::sqrt(most) < m_settled_share * gap;
   }
 
   Hessian hessian_of(const ContactPair& contact, const PairPoints& points, Projection projection) const {
@@ -260,7 +262,8 @@ public:
         continue;
       const PairPoints points = m_system.points_of(contact);
       const PairDistance pair = contact::pair_distance(contact.kind, points);
-      double force = -evaluate_barrier(pair.distance, contact.activation, m_system.stiffness(contact)).slope;
+      double force =
+          -evaluate_barrier(pair.distance - contact.thickness, contact.activation, m_system.stiffness(contact)).slope;
       if (contact.mollifier_threshold > 0.0)
         force *= contact::evaluate_mollifier(contact::cross_squared(points), contact.mollifier_threshold).value;
       Slider slider{contact, pair.weights, pair.normal, force, 0.0};
@@ -271,7 +274,7 @@ public:
     m_first_pass = false;
   }
 
-  void bound_friction(bool on) override { m_bounded = on; }
+  void bound_friction(bool on) override { m_slip_hessian = on ? SlipHessian::bounded : SlipHessian::exact; }
 
   double energy(const Stage& stage, const Trial& trial) const override {
     double sum = 0.0;
@@ -296,14 +299,7 @@ public:
 
   int add_hessian(const Stage& stage, const Trial& trial, Projection, BlockMatrix& matrix) const override {
     for (const Slider& slider : m_sliders) {
-      const Vec3 slip = slip_of(slider, stage, trial);
-      const double length = slip.norm();
-      const SmoothedSlip smoothed = evaluate_slip(length, smoothing(stage));
-      Mat3 block = smoothed.slope_over_slip * (Mat3::Identity() - slider.normal * slider.normal.transpose());
-      if (length > 0.0 && !m_bounded) {
-        const Vec3 along = slip / length;
-        block += (smoothed.second - smoothed.slope_over_slip) * (along * along.transpose());
-      }
+      Mat3 block = slip_hessian(slip_of(slider, stage, trial), slider.normal, smoothing(stage), m_slip_hessian);
       block *= slider.limit;
       Hessian hessian;
       for (int k = 0; k < 4; ++k) {
@@ -352,7 +348,7 @@ private:
   const FemModel& m_model;
   ContactSystem& m_system;
   std::vector<Slider> m_sliders;
-  bool m_bounded = false;
+  SlipHessian m_slip_hessian = SlipHessian::exact;
   bool m_first_pass = true;
 };
 

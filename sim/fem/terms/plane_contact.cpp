@@ -3,6 +3,7 @@
 
 #include "sim/fem/terms/barrier.h"
 #include "sim/fem/terms/node_terms.h"
+#include "sim/fem/terms/slip.h"
 
 namespace wry::fem {
 
@@ -11,10 +12,6 @@ namespace {
 /// A step may use this share of a gap: the rest keeps the barrier finite.
 constexpr double GAP_SHARE = 0.9;
 
-double gap_of(const scene::PlaneCollider& plane, const Points& positions, int node) {
-  return plane.normal.dot(positions.row(node).transpose() - plane.point);
-}
-
 /// Calls body(node, plane, gap) for each pair closer than d-hat, in a fixed order.
 template <class Body>
 void for_each_contact(const FemModel& model, const ContactState& contact, const Points& positions, const Body& body) {
@@ -22,7 +19,7 @@ void for_each_contact(const FemModel& model, const ContactState& contact, const 
     for (int node = 0; node < model.layout.node_count(); ++node) {
       if (contact.ignored[node])
         continue;
-      const double gap = gap_of(plane, positions, node);
+      const double gap = plane_gap(model, plane, positions, node);
       if (gap < contact.distance)
         body(node, plane, gap);
     }
@@ -69,7 +66,7 @@ public:
           continue;
         const double approach = -plane.normal.dot(change.row(node));
         if (approach > 0.0)
-          limit = std::min(limit, GAP_SHARE * gap_of(plane, trial.positions, node) / approach);
+          limit = std::min(limit, GAP_SHARE * plane_gap(m_model, plane, trial.positions, node) / approach);
       }
     }
     return limit;
@@ -105,7 +102,7 @@ public:
     });
   }
 
-  void bound_friction(bool on) override { m_bounded = on; }
+  void bound_friction(bool on) override { m_slip_hessian = on ? SlipHessian::bounded : SlipHessian::exact; }
 
   double energy(const Stage& stage, const Trial& trial) const override {
     double sum = 0.0;
@@ -128,14 +125,7 @@ public:
 
   int add_hessian(const Stage& stage, const Trial& trial, Projection, BlockMatrix& matrix) const override {
     for (const Slider& slider : m_sliders) {
-      const Vec3 slip = slip_of(slider, stage, trial);
-      const double length = slip.norm();
-      const SmoothedSlip smoothed = evaluate_slip(length, smoothing(stage));
-      Mat3 block = smoothed.slope_over_slip * (Mat3::Identity() - slider.normal * slider.normal.transpose());
-      if (length > 0.0 && !m_bounded) {
-        const Vec3 along = slip / length;
-        block += (smoothed.second - smoothed.slope_over_slip) * (along * along.transpose());
-      }
+      Mat3 block = slip_hessian(slip_of(slider, stage, trial), slider.normal, smoothing(stage), m_slip_hessian);
       block *= stage.beta * stage.beta * slider.limit;
       matrix.add_velocity_diagonal(slider.node, block.data());
     }
@@ -159,7 +149,7 @@ private:
   const FemModel& m_model;
   const ContactState& m_contact;
   std::vector<Slider> m_sliders;
-  bool m_bounded = false;
+  SlipHessian m_slip_hessian = SlipHessian::exact;
 };
 
 } // namespace
@@ -178,6 +168,11 @@ std::unique_ptr<EnergyTerm> make_plane_friction(const FemModel& model, const Con
   return nullptr;
 }
 
+double plane_gap(const FemModel& model, const scene::PlaneCollider& plane, const Points& positions, int node) {
+  const double thickness = model.half_thickness.empty() ? 0.0 : model.half_thickness[static_cast<std::size_t>(node)];
+  return plane.normal.dot(positions.row(node).transpose() - plane.point) - thickness;
+}
+
 PlaneGaps measure_plane_gaps(const FemModel& model, const ContactState& contact, const Points& positions, int body) {
   PlaneGaps gaps;
   gaps.least = std::numeric_limits<double>::infinity();
@@ -185,7 +180,7 @@ PlaneGaps measure_plane_gaps(const FemModel& model, const ContactState& contact,
     for (int node = 0; node < model.layout.node_count(); ++node) {
       if (contact.ignored[node] || (body >= 0 && model.body_of_node[node] != body))
         continue;
-      const double gap = gap_of(plane, positions, node);
+      const double gap = plane_gap(model, plane, positions, node);
       gaps.least = std::min(gaps.least, gap);
       gaps.active += gap < contact.distance ? 1 : 0;
     }

@@ -2,15 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <type_traits>
 
 #include "sim/base/rotation.h"
 #include "sim/mpm/grains/blue_noise.h"
 #include "sim/mpm/grains/dice.h"
+#include "sim/mpm/grains/flow_field.h"
+#include "sim/mpm/grains/grid_snapshot.h"
 #include "sim/mpm/matter/orientation.h"
 
 namespace wry::mpm {
@@ -23,144 +25,11 @@ constexpr int BLEND_UPDATES = 5;
 constexpr double FLOATING = 0.25;
 constexpr double REST_SPEED = 0.03;   // [m/s] relative to what carries the grain
 constexpr double LONGEST_TURN = 0.25; // dt |L| between updates
-
-/// Four floats that are added together: velocity times activity, and activity.
-typedef float Quad __attribute__((vector_size(16)));
-
-constexpr int SIDE = HALO_SIDE;
-constexpr int NODES = SIDE * SIDE * SIDE;
+/// Cells that a flying grain may go in a part of an update, and how many parts there are at most.
+constexpr double FURTHEST_FLIGHT = 0.5;
+constexpr int MOST_PARTS = 64;
 
 } // namespace
-
-/// What grains of a block see in an update.
-struct SubParticles::Field {
-  alignas(64) Quad flow[NODES];
-  alignas(64) float density[NODES]; ///< share of rho_0
-  BlockCoord coord;
-  Vec3 origin;                ///< of the block's first node, in cells
-  float least_density = 0.0F; ///< of all nodes
-  std::vector<NearWall> walls;
-  const Boundaries* boundaries = nullptr;
-  Vec3 gravity;
-  double cell = 0.0, dt = 0.0;
-
-  /// Weights of quadratic B-splines along an axis, and the first node's distance.
-  struct Axis {
-    float w[3], d[3]; ///< weight, and weight times node minus point [cells]
-  };
-  /// The first of three nodes along an axis, counted in the halo. Nothing but that count knows the block, so that a
-  /// grain's answer is the same, bit for bit, whichever block it is sorted into.
-  static int first_node(double along, double block_origin, Axis& axis) {
-    const double base = std::floor(along - 0.5);
-    const float f = static_cast<float>(along - base);
-    const float w[3] = {0.5F * (1.5F - f) * (1.5F - f), 0.75F - (f - 1.0F) * (f - 1.0F),
-                        0.5F * (f - 0.5F) * (f - 0.5F)};
-    for (int i = 0; i < 3; ++i) {
-      axis.w[i] = w[i];
-      axis.d[i] = w[i] * (static_cast<float>(i) - f);
-    }
-    return std::clamp(static_cast<int>(base - block_origin) + 1, 0, SIDE - 3); // the halo begins a node earlier
-  }
-  int stencil(const Vec3& point, std::array<Axis, 3>& axes) const {
-    int first = 0;
-    for (int k = 0; k < 3; ++k)
-      first = first * SIDE + first_node(point[k] / cell, origin[k], axes[static_cast<std::size_t>(k)]);
-    return first;
-  }
-  /// Sum of weights times density, as a share of rho_0.
-  double density_at(const Vec3& point) const {
-    std::array<Axis, 3> a;
-    const int first = stencil(point, a);
-    return density_in(a, first);
-  }
-  double density_in(const std::array<Axis, 3>& a, int first) const {
-    float sum = 0.0F;
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        const float* row = density + first + (i * SIDE + j) * SIDE;
-        sum += a[0].w[i] * a[1].w[j] * (a[2].w[0] * row[0] + a[2].w[1] * row[1] + a[2].w[2] * row[2]);
-      }
-    }
-    return sum;
-  }
-  /// Velocity and its gradient as APIC sees it, both by least squares over the active nodes (S7). False where the
-  /// matter is thinner than `least`, or no node is active.
-  bool motion_at(const Vec3& point, double least, Vec3& velocity, Mat3& gradient) const {
-    std::array<Axis, 3> a;
-    const int first = stencil(point, a);
-    // Where every node is denser, so is their mean; a little more, for its rounding.
-    if (least_density < 1.0001 * least && density_in(a, first) < least)
-      return false;
-    // Axis by axis, since weights are products.
-    Quad sum = {}, along[3] = {};
-    for (int i = 0; i < 3; ++i) {
-      Quad plain_y = {}, slope_y = {}, slope_z = {};
-      for (int j = 0; j < 3; ++j) {
-        const Quad* row = flow + first + (i * SIDE + j) * SIDE;
-        const Quad plain = a[2].w[0] * row[0] + a[2].w[1] * row[1] + a[2].w[2] * row[2];
-        slope_z += a[1].w[j] * (a[2].d[0] * row[0] + a[2].d[1] * row[1] + a[2].d[2] * row[2]);
-        plain_y += a[1].w[j] * plain;
-        slope_y += a[1].d[j] * plain;
-      }
-      sum += a[0].w[i] * plain_y;
-      along[0] += a[0].d[i] * plain_y;
-      along[1] += a[0].w[i] * slope_y;
-      along[2] += a[0].w[i] * slope_z;
-    }
-    if (!(sum[3] > 1e-6F))
-      return false;
-    const double inverse = 1.0 / static_cast<double>(sum[3]);
-    velocity = Vec3(sum[0], sum[1], sum[2]) * inverse;
-    const Vec3 centre = Vec3(along[0][3], along[1][3], along[2][3]) * inverse;
-    for (int k = 0; k < 3; ++k)
-      gradient.col(k) = Vec3(along[k][0], along[k][1], along[k][2]) * inverse - centre[k] * velocity;
-    gradient *= 4.0 / cell; // the second moment of a full stencil is h^2 / 4
-    if (sum[3] < 0.999F)
-      gradient *= shrunk(a, first, inverse, centre);
-    return true;
-  }
-
-private:
-  /// (h^2/4) K^-1 of a stencil with inactive nodes, K their second moment about their mean; its inverse is damped where
-  /// the nodes lie in a plane.
-  Mat3 shrunk(const std::array<Axis, 3>& a, int first, double inverse, const Vec3& centre) const {
-    float squared[3][3]; // weight times squared distance, per axis and node
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (std::size_t at = 0; at < 3; ++at) {
-        const float weight = a[axis].w[at], moment = a[axis].d[at];
-        squared[axis][at] = weight > 1e-9F ? moment * moment / weight : 0.0F;
-      }
-    }
-    float xx = 0.0F, yy = 0.0F, zz = 0.0F, yz = 0.0F, xz = 0.0F, xy = 0.0F;
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        const Quad* row = flow + first + (i * SIDE + j) * SIDE;
-        float plain = 0.0F, slope = 0.0F, curve = 0.0F;
-        for (int k = 0; k < 3; ++k) {
-          const float active = row[k][3];
-          plain += active * a[2].w[k];
-          slope += active * a[2].d[k];
-          curve += active * squared[2][k];
-        }
-        xx += squared[0][i] * a[1].w[j] * plain;
-        yy += a[0].w[i] * squared[1][j] * plain;
-        zz += a[0].w[i] * a[1].w[j] * curve;
-        yz += a[0].w[i] * a[1].d[j] * slope;
-        xz += a[0].d[i] * a[1].w[j] * slope;
-        xy += a[0].d[i] * a[1].d[j] * plain;
-      }
-    }
-    Mat3 K;
-    K << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-    K = K * inverse - centre * centre.transpose();
-    const Mat3 damped = 4.0 * K + 0.05 * Mat3::Identity();
-    Mat3 adjugate;
-    adjugate.row(0) = damped.col(1).cross(damped.col(2));
-    adjugate.row(1) = damped.col(2).cross(damped.col(0));
-    adjugate.row(2) = damped.col(0).cross(damped.col(1));
-    return adjugate / damped.col(0).dot(damped.col(1).cross(damped.col(2)));
-  }
-};
 
 namespace {
 
@@ -280,7 +149,7 @@ void SubParticles::leave_obstacles(const Boundaries& boundaries, double cell) {
   m_strayed = true;
 }
 
-void SubParticles::meet_obstacles(std::size_t grain, const Field& field) {
+void SubParticles::meet_obstacles(std::size_t grain, const FlowField& field) {
   if (field.walls.empty())
     return;
   // Half the thinnest extent: a grain that lies flat just touches.
@@ -362,7 +231,7 @@ double SubParticles::thinnest() const {
 
 /// RK2: the midpoint is predicted with the velocity of the midpoint before, which leaves the order and saves half of
 /// the interpolation. Returns whether there is matter to be carried by.
-bool SubParticles::carry(std::size_t grain, const Field& field) {
+bool SubParticles::carry(std::size_t grain, const FlowField& field) {
   Vec3& position = m_position[grain];
   Vec3 middle;
   Mat3 gradient;
@@ -392,7 +261,7 @@ bool SubParticles::carry(std::size_t grain, const Field& field) {
   return true;
 }
 
-void SubParticles::fly(std::size_t grain, const Field& field) {
+void SubParticles::fly(std::size_t grain, const FlowField& field) {
   m_velocity[grain] += field.dt * field.gravity;
   m_position[grain] += field.dt * m_velocity[grain];
   m_orientation[grain] =
@@ -400,7 +269,7 @@ void SubParticles::fly(std::size_t grain, const Field& field) {
 }
 
 /// What carries a resting grain; it flies again when that moves or is gone.
-bool SubParticles::rest(std::size_t grain, const Field& field) {
+bool SubParticles::rest(std::size_t grain, const FlowField& field) {
   const std::optional<ObstacleContact> carrier =
       field.walls.empty()
           ? std::nullopt
@@ -410,7 +279,7 @@ bool SubParticles::rest(std::size_t grain, const Field& field) {
 }
 
 /// Returns whether a grain has strayed too far from the block.
-bool SubParticles::update_run(const Run& run, const Field& field) {
+bool SubParticles::update_run(const Run& run, const FlowField& field) {
   constexpr double FURTHEST = 0.2; // of the sorted block; an update adds at most half a cell
   const double capture = std::max(m_settings.capture_density, 2.0 * m_settings.escape_density);
   const double inverse = 1.0 / field.cell;
@@ -443,26 +312,82 @@ bool SubParticles::update_run(const Run& run, const Field& field) {
   return strayed;
 }
 
-template <class Scalar>
-void SubParticles::follow(const Grid<Scalar>& grid, const Boundaries& boundaries, const Vec3& gravity, double cell,
-                          double dt, double max_speed, double max_gradient, When when, const Threads& threads) {
-  m_pending += dt;
-  m_gone += dt * std::max(max_speed, m_fastest + m_pending * gravity.norm()) / cell;
-  m_turned += dt * max_gradient;
-  if (when == When::as_needed && m_gone < m_settings.travel && m_turned < LONGEST_TURN)
-    return;
-  if (m_strayed)
-    sort(cell);
+double SubParticles::due(const StepSeen& step, const Vec3& gravity, double cell) {
+  m_pending += step.dt;
+  double speed = step.max_speed;
+  if (m_settings.clock == GrainClock::matter_and_grains)
+    speed = std::max(speed, m_fastest + m_pending * gravity.norm());
+  m_gone += step.dt * speed / cell;
+  m_turned += step.dt * step.max_gradient;
+  if (!step.ends_frame && m_gone < m_settings.travel && m_turned < LONGEST_TURN)
+    return 0.0;
+  const double span = m_pending;
+  m_pending = m_gone = m_turned = 0.0;
+  return span;
+}
+
+template <class AnyGrid>
+void SubParticles::update(const AnyGrid& grid, const Boundaries& boundaries, const Vec3& gravity, double cell,
+                          double span, const Threads& threads) {
+  int parts = 1;
+  if (m_settings.clock == GrainClock::matter) { // which does not know how far those that fly may go
+    const double furthest = span * (m_fastest + span * gravity.norm()) / cell;
+    parts = std::clamp(static_cast<int>(std::ceil(furthest / FURTHEST_FLIGHT)), 1, MOST_PARTS);
+  }
   BlockIndex blocks;
   blocks.reserve(grid.block_count());
   for (std::size_t b = 0; b < grid.block_count(); ++b)
     blocks.emplace(grid.coord(b), static_cast<std::int32_t>(b));
-  const double whole = m_density * cell * cell * cell;
+  for (int part = 0; part < parts; ++part)
+    advance(grid, blocks, boundaries, gravity, cell, span / parts, threads);
+  ++m_updates;
+}
+
+namespace {
+
+/// What a block's grains may need of a grid: nodes around it, as they are read from its neighbours.
+template <class AnyGrid>
+void read_nodes(const AnyGrid& grid, const BlockIndex& blocks, double mass_of_full_cell, double least_share,
+                FlowField& field) {
+  using Scalar = std::remove_cvref_t<decltype(*grid.values(0))>;
+  const Scalar* near[27];
+  for (int n = 0; n < 27; ++n) {
+    const auto found =
+        blocks.find({field.coord.x + n / 9 - 1, field.coord.y + n / 3 % 3 - 1, field.coord.z + n % 3 - 1});
+    near[n] = found == blocks.end() ? nullptr : grid.values(static_cast<std::size_t>(found->second));
+  }
+  constexpr int SIDE = FlowField::SIDE;
+  for (int node = 0; node < FlowField::NODES; ++node) {
+    const int at[3] = {node / (SIDE * SIDE) - 1, node / SIDE % SIDE - 1, node % SIDE - 1};
+    int block = 0, place = 0;
+    for (const int k : at) {
+      block = block * 3 + (k + BLOCK_SIDE) / BLOCK_SIDE;
+      place = place * BLOCK_SIDE + (k + BLOCK_SIDE) % BLOCK_SIDE;
+    }
+    const Scalar* value = near[block] == nullptr ? nullptr : near[block] + place * NODE_VALUES;
+    // Through a float, as a snapshot of the grid has it.
+    const double share = value == nullptr ? 0.0 : static_cast<double>(static_cast<float>(value[3])) / mass_of_full_cell;
+    field.density[node] = static_cast<float>(share);
+    field.flow[node] = share >= least_share ? Quad{static_cast<float>(value[0]), static_cast<float>(value[1]),
+                                                   static_cast<float>(value[2]), 1.0F}
+                                            : Quad{};
+  }
+  field.least_density = *std::min_element(field.density, field.density + FlowField::NODES);
+}
+
+} // namespace
+
+/// All grains by so long.
+template <class AnyGrid>
+void SubParticles::advance(const AnyGrid& grid, const BlockIndex& blocks, const Boundaries& boundaries,
+                           const Vec3& gravity, double cell, double dt, const Threads& threads) {
+  if (m_strayed)
+    sort(cell);
   std::vector<double> fastest(m_runs.size(), 0.0);
   std::vector<char> strayed(m_runs.size(), 0);
   threads.for_each(m_runs.size(), 1, [&](std::size_t r) {
     const Run& run = m_runs[r];
-    Field field;
+    FlowField field;
     field.coord = run.coord;
     field.origin =
         Vec3(static_cast<double>(run.coord.x), static_cast<double>(run.coord.y), static_cast<double>(run.coord.z)) *
@@ -470,29 +395,9 @@ void SubParticles::follow(const Grid<Scalar>& grid, const Boundaries& boundaries
     field.boundaries = &boundaries;
     field.gravity = gravity;
     field.cell = cell;
-    field.dt = m_pending;
+    field.dt = dt;
     boundaries.walls_near(run.coord, field.walls, WallKind::all);
-    const Scalar* near[27];
-    for (int n = 0; n < 27; ++n) {
-      const auto found = blocks.find({run.coord.x + n / 9 - 1, run.coord.y + n / 3 % 3 - 1, run.coord.z + n % 3 - 1});
-      near[n] = found == blocks.end() ? nullptr : grid.values(static_cast<std::size_t>(found->second));
-    }
-    for (int node = 0; node < NODES; ++node) {
-      const int at[3] = {node / (SIDE * SIDE) - 1, node / SIDE % SIDE - 1, node % SIDE - 1};
-      int block = 0, place = 0;
-      for (const int k : at) {
-        block = block * 3 + (k + BLOCK_SIDE) / BLOCK_SIDE;
-        place = place * BLOCK_SIDE + (k + BLOCK_SIDE) % BLOCK_SIDE;
-      }
-      const Scalar* value = near[block] == nullptr ? nullptr : near[block] + place * NODE_VALUES;
-      const double share = value == nullptr ? 0.0 : static_cast<double>(value[3]) / whole;
-      field.density[node] = static_cast<float>(share);
-      const bool active = share >= m_settings.escape_density;
-      field.flow[node] =
-          active ? Quad{static_cast<float>(value[0]), static_cast<float>(value[1]), static_cast<float>(value[2]), 1.0F}
-                 : Quad{};
-    }
-    field.least_density = *std::min_element(field.density, field.density + NODES);
+    read_nodes(grid, blocks, m_density * cell * cell * cell, m_settings.escape_density, field);
     strayed[r] = update_run(run, field) ? 1 : 0;
     for (std::size_t i = run.begin; i < run.end; ++i) {
       if (m_state[m_order[i]] == Phase::flying)
@@ -501,109 +406,13 @@ void SubParticles::follow(const Grid<Scalar>& grid, const Boundaries& boundaries
   });
   m_fastest = fastest.empty() ? 0.0 : *std::max_element(fastest.begin(), fastest.end());
   m_strayed = std::find(strayed.begin(), strayed.end(), 1) != strayed.end();
-  m_pending = m_gone = m_turned = 0.0;
-  ++m_updates;
 }
 
-template void SubParticles::follow(const Grid<float>&, const Boundaries&, const Vec3&, double, double, double, double,
-                                   When, const Threads&);
-template void SubParticles::follow(const Grid<double>&, const Boundaries&, const Vec3&, double, double, double, double,
-                                   When, const Threads&);
-
-SubParticleCounts SubParticles::counts() const {
-  SubParticleCounts counts;
-  for (const Phase phase : m_state) {
-    counts.carried += phase == Phase::carried ? 1 : 0;
-    counts.flying += phase == Phase::flying ? 1 : 0;
-    counts.resting += phase == Phase::resting ? 1 : 0;
-  }
-  return counts;
-}
-
-SceneBody SubParticles::scene_body() const {
-  SceneBody body;
-  body.name = m_settings.name;
-  body.kind = BodyKind::particles;
-  body.grain = {m_settings.shape, m_settings.size};
-  body.look = m_settings.look;
-  return body;
-}
-
-FrameBody SubParticles::snapshot() const {
-  const std::size_t n = count();
-  const auto make = [n](const char* name, int components, ChannelStorage storage) {
-    return wry::Channel{name, ChannelOn::particle, components, storage,
-                        std::vector<double>(n * static_cast<std::size_t>(components))};
-  };
-  wry::Channel position = make("position", 3, ChannelStorage::float64);
-  wry::Channel orientation = make("orientation", 4, ChannelStorage::float32);
-  wry::Channel size = make("size", 3, ChannelStorage::float32);
-  wry::Channel velocity = make("velocity", 3, ChannelStorage::float32);
-  wry::Channel phase = make("phase", 1, ChannelStorage::float32);
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto axis = static_cast<Eigen::Index>(k);
-      position.values[3 * i + k] = m_position[i][axis];
-      velocity.values[3 * i + k] = m_velocity[i][axis];
-      size.values[3 * i + k] = m_settings.size[axis] * static_cast<double>(m_size[i]);
-    }
-    for (std::size_t k = 0; k < 4; ++k)
-      orientation.values[4 * i + k] = m_orientation[i][static_cast<Eigen::Index>(k)];
-    phase.values[i] = static_cast<double>(m_state[i]);
-  }
-  FrameBody body;
-  body.name = m_settings.name;
-  body.channels = {std::move(position), std::move(orientation), std::move(size), std::move(velocity), std::move(phase)};
-  return body;
-}
-
-void SubParticles::archive(const std::string& prefix, StateArchive& to) const {
-  NamedArray state{prefix + "/grains", {count(), 15}, std::vector<double>(count() * 15)};
-  for (std::size_t i = 0; i < count(); ++i) {
-    double* row = state.values.data() + 15 * i;
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      row[k] = m_position[i][k];
-      row[3 + k] = m_velocity[i][k];
-      row[6 + k] = m_spin[i][k];
-    }
-    for (Eigen::Index k = 0; k < 4; ++k)
-      row[9 + k] = m_orientation[i][k];
-    row[13] = static_cast<double>(m_state[i]);
-    row[14] = static_cast<double>(m_blend[i]);
-  }
-  to.push_back(std::move(state));
-  to.push_back({prefix + "/pending", {5}, {m_fastest, m_pending, m_gone, m_turned, static_cast<double>(m_updates)}});
-}
-
-Status SubParticles::restore(const std::string& prefix, const StateArchive& from) {
-  const auto find = [&](const std::string& name, std::size_t size) -> const NamedArray* {
-    for (const NamedArray& array : from) {
-      if (array.name == name && array.values.size() == size)
-        return &array;
-    }
-    return nullptr;
-  };
-  const NamedArray* state = find(prefix + "/grains", count() * 15);
-  const NamedArray* pending = find(prefix + "/pending", 5);
-  if (state == nullptr || pending == nullptr)
-    return make_error(ErrorCode::io, "the checkpoint has no {}/{} that fits this shot", prefix,
-                      state == nullptr ? "grains" : "pending");
-  for (std::size_t i = 0; i < count(); ++i) {
-    const double* row = state->values.data() + 15 * i;
-    m_position[i] = Vec3(row[0], row[1], row[2]);
-    m_velocity[i] = Vec3(row[3], row[4], row[5]);
-    m_spin[i] = Vec3(row[6], row[7], row[8]);
-    m_orientation[i] = Vec4(row[9], row[10], row[11], row[12]);
-    m_state[i] = static_cast<Phase>(row[13]);
-    m_blend[i] = static_cast<std::uint8_t>(row[14]);
-  }
-  m_fastest = pending->values[0];
-  m_pending = pending->values[1];
-  m_gone = pending->values[2];
-  m_turned = pending->values[3];
-  m_updates = static_cast<std::size_t>(pending->values[4]);
-  m_strayed = true; // a grain's answer does not depend on the block that it is sorted into
-  return {};
-}
+#define WRY_INSTANTIATE(AnyGrid)                                                                                       \
+  template void SubParticles::update(const AnyGrid&, const Boundaries&, const Vec3&, double, double, const Threads&);
+WRY_INSTANTIATE(Grid<float>)
+WRY_INSTANTIATE(Grid<double>)
+WRY_INSTANTIATE(SnapshotGrid)
+#undef WRY_INSTANTIATE
 
 } // namespace wry::mpm

@@ -15,6 +15,8 @@ namespace wry::mpm {
 
 /// What a grain takes in memory, with its place in the order.
 inline constexpr std::size_t BYTES_PER_GRAIN = 150;
+/// What it takes in a frame: SubParticles::snapshot().
+inline constexpr std::size_t BYTES_PER_GRAIN_AND_FRAME = 24 + 16 + 12 + 12 + 4;
 
 /// Where grains start.
 struct SubParticleStart {
@@ -24,6 +26,8 @@ struct SubParticleStart {
   Vec3 velocity = Vec3::Zero();
   double density = 1000.0; ///< rho_0 [kg/m^3]
 };
+
+struct FlowField;
 
 /// How many grains are where.
 struct SubParticleCounts {
@@ -42,12 +46,20 @@ public:
   /// Puts grains that start in an obstacle to its face: what a particle stands for may reach into the wall beside it.
   void leave_obstacles(const Boundaries& boundaries, double cell);
 
-  /// A step of the simulation has been made on this grid, whose nodes have velocities [m/s] and masses [kg]. Grains are
-  /// brought up to date when the fastest may have gone `travel`, and when `now` says so (a frame ends).
-  enum class When { as_needed, now };
-  template <class Scalar>
-  void follow(const Grid<Scalar>& grid, const Boundaries& boundaries, const Vec3& gravity, double cell, double dt,
-              double max_speed, double max_gradient, When when, const Threads& threads);
+  /// A step of the simulation has been made. Returns the time that grains must now be brought forward [s]: when the
+  /// fastest may have gone `travel`, and when a frame ends; else 0.
+  struct StepSeen {
+    double dt = 0.0;           ///< [s]
+    double max_speed = 0.0;    ///< of the matter [m/s]
+    double max_gradient = 0.0; ///< |L| [1/s]
+    bool ends_frame = false;
+  };
+  double due(const StepSeen& step, const Vec3& gravity, double cell);
+  /// Brings grains forward by `span` on a grid (Grid or SnapshotGrid) whose nodes have velocities [m/s] and masses
+  /// [kg].
+  template <class AnyGrid>
+  void update(const AnyGrid& grid, const Boundaries& boundaries, const Vec3& gravity, double cell, double span,
+              const Threads& threads);
 
   SubParticleCounts counts() const;
   /// Updates made so far, and grains updated in them.
@@ -68,15 +80,17 @@ private:
     BlockCoord coord;
     std::size_t begin = 0, end = 0; ///< of m_order
   };
-  struct Field;
 
   void sort(double cell);
-  bool update_run(const Run& run, const Field& field);
+  template <class AnyGrid>
+  void advance(const AnyGrid& grid, const BlockIndex& blocks, const Boundaries& boundaries, const Vec3& gravity,
+               double cell, double dt, const Threads& threads);
+  bool update_run(const Run& run, const FlowField& field);
   double thinnest() const;
-  bool carry(std::size_t grain, const Field& field);
-  bool rest(std::size_t grain, const Field& field);
-  void fly(std::size_t grain, const Field& field);
-  void meet_obstacles(std::size_t grain, const Field& field);
+  bool carry(std::size_t grain, const FlowField& field);
+  bool rest(std::size_t grain, const FlowField& field);
+  void fly(std::size_t grain, const FlowField& field);
+  void meet_obstacles(std::size_t grain, const FlowField& field);
 
   SubParticleSettings m_settings;
   double m_density = 0.0; ///< rho_0 [kg/m^3]
