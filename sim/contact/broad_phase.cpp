@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "sim/contact/distance.h"
+#include "sim/contact/pair_boxes.h"
 
 namespace wry::contact {
 
@@ -42,19 +43,6 @@ std::vector<std::size_t> first_of_parts(const Surface& surface, const Primitives
   for (std::size_t part = 1; part < first.size(); ++part)
     first[part] += first[part - 1];
   return first;
-}
-
-/// Of the boxes around the two primitives: from below.
-double box_distance(PairKind kind, const PairPoints& points) {
-  const Eigen::Index first = kind == PairKind::edge_edge ? 2 : 1;
-  double sum = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    const Vec4 place = points.col(i);
-    const double gap = std::max(place.head(first).minCoeff() - place.tail(4 - first).maxCoeff(),
-                                place.tail(4 - first).minCoeff() - place.head(first).maxCoeff());
-    sum += gap > 0.0 ? gap * gap : 0.0;
-  }
-  return std::sqrt(sum);
 }
 
 /// A plane across the way between the nearest points shows how far apart they are at least, whatever was rounded in
@@ -270,11 +258,10 @@ void BroadPhase::pick(const Points& from, const Points& to, PairGroup group) {
 }
 
 void BroadPhase::measure(PairKind kind, bool within, const Lists& lists, CandidatePair& pair) const {
-  const PairPoints points = gather(lists.measured_at, pair.nodes);
   // Most are far enough from each other for their boxes to tell.
-  double apart = box_distance(kind, points);
+  double apart = std::sqrt(squared_box_distance(kind, lists.measured_at, pair.nodes));
   if (apart < 4.0 * lists.distance)
-    apart = std::max(apart, proven_distance(kind, points));
+    apart = std::max(apart, proven_distance(kind, gather(lists.measured_at, pair.nodes)));
   pair.apart = static_cast<float>(apart) * (1.0F - SINGLE_SLACK);
   // The others need no limit: their distance tells.
   const bool limited = within && m_reach_within && apart < 2.0 * lists.distance;

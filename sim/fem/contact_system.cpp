@@ -7,6 +7,7 @@
 #include <set>
 
 #include "sim/contact/crossings.h"
+#include "sim/contact/pair_boxes.h"
 
 namespace wry::fem {
 
@@ -66,25 +67,6 @@ std::vector<contact::Surface::Triangle> rows_of(const Triangles& triangles) {
   for (Eigen::Index i = 0; i < triangles.rows(); ++i)
     rows.push_back({triangles(i, 0), triangles(i, 1), triangles(i, 2)});
   return rows;
-}
-
-/// Squared distance of the boxes of a pair's primitives: from below.
-double box_distance_squared(const Points& x, const std::array<std::int32_t, 4>& nodes, int first) {
-  double sum = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    const double a = x(nodes[0], i);
-    const double b = x(nodes[1], i);
-    const double c = x(nodes[2], i);
-    const double d = x(nodes[3], i);
-    double gap = 0.0;
-    if (first == 1)
-      gap = std::max(a - std::max(std::max(b, c), d), std::min(std::min(b, c), d) - a);
-    else
-      gap = std::max(std::min(a, b) - std::max(c, d), std::min(c, d) - std::max(a, b));
-    if (gap > 0.0)
-      sum += gap * gap;
-  }
-  return sum;
 }
 
 contact::PairPoints gather(const Points& x, const std::array<std::int32_t, 4>& nodes) {
@@ -375,7 +357,6 @@ void ContactSystem::update_pairs() {
 
 void ContactSystem::add_near_pairs(contact::PairGroup group, PairKind kind) {
   const std::vector<CandidatePair>& candidates = m_broad_phase->pairs(group, kind);
-  const int first = kind == PairKind::edge_edge ? 2 : 1;
   const std::size_t chunk_count = (candidates.size() + GRAIN - 1) / GRAIN;
   m_chunks.resize(std::max(m_chunks.size(), chunk_count));
   m_threads.for_chunks(candidates.size(), GRAIN, [&](std::size_t begin, std::size_t end) {
@@ -386,7 +367,7 @@ void ContactSystem::add_near_pairs(contact::PairGroup group, PairKind kind) {
       const double reach = candidate.reach;
       if (m_since_measured.are_below(kind, candidate.nodes, candidate.apart - reach))
         continue;
-      if (box_distance_squared(m_all, candidate.nodes, first) >= reach * reach)
+      if (contact::squared_box_distance(kind, m_all, candidate.nodes) >= reach * reach)
         continue;
       const double squared = contact::squared_distance(kind, gather(m_all, candidate.nodes));
       if (squared >= reach * reach)

@@ -77,6 +77,7 @@ Result<ChosenMethod> choose_linear_method(const FemPlan& plan, const FemScene& s
   demand.wave_crossing = wave_crossing(plan, scene);
   demand.rotation_reach = rotation_reach(plan, scene);
   demand.longest_path = longest_path(plan, scene);
+  demand.contacts = plan.contact.has_value();
   demand.factor_available = false;
   if (scene.model.layout.node_count() <= MOST_NODES_TO_FACTOR) {
     const Result<std::unique_ptr<SparseFactor>> factor = SparseFactor::create(matrix);

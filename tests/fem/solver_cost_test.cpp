@@ -45,5 +45,24 @@ TEST(SolverCost, WithoutAFactorThereIsOnlyIteration) {
   EXPECT_EQ(choose_solver(demand).solver, LinearSolver::pcg);
 }
 
+TEST(SolverCost, ContactsSpeakAgainstAFactor) {
+  // Where a factor is a little cheaper than iterations, it no longer is when it has to be made anew for each contact.
+  SolverDemand demand = soft_bar();
+  LinearSolver without = LinearSolver::pcg;
+  for (demand.wave_crossing = 1.0; without == LinearSolver::pcg && demand.wave_crossing < 1e6;) {
+    demand.wave_crossing *= 1.1;
+    demand.longest_path = demand.wave_crossing;
+    without = choose_solver(demand).solver;
+  }
+  ASSERT_NE(without, LinearSolver::pcg);
+  demand.contacts = true;
+  const SolverDecision decision = choose_solver(demand);
+  EXPECT_EQ(decision.solver, LinearSolver::pcg);
+  EXPECT_NE(decision.reason.find("contacts come and go"), std::string::npos);
+  demand.wave_crossing *= 10.0;
+  demand.longest_path *= 10.0;
+  EXPECT_NE(choose_solver(demand).solver, LinearSolver::pcg) << "but far beyond, it still is cheaper";
+}
+
 } // namespace
 } // namespace wry::fem

@@ -28,6 +28,7 @@ struct SolverDemand {
   /// inertia that would hold them back.
   double rotation_reach = 0.0;
   double longest_path = 0.0; ///< largest number of edges across a body
+  bool contacts = false;     ///< bodies may touch each other or themselves: entries of the matrix come and go
 };
 
 /// A solver and the reason in words for `wry plan`.
