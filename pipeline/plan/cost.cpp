@@ -27,9 +27,9 @@ constexpr std::uint64_t MICROPOLAR_BYTES_PER_TET = 4500;
 constexpr std::uint64_t MPM_BYTES_PER_PARTICLE_BESIDES = 250;
 // A step of one particle in single precision (bench_mpm_table1), and what it takes more.
 constexpr double MPM_SECONDS_PER_PARTICLE_STEP = 1.4e-7;
-constexpr double DOUBLE_PRECISION = 2.0, OWN_AXES = 1.3, REORIENTING = 1.3, NEAR_MESHES = 1.6;
+constexpr double DOUBLE_PRECISION = 1.6, OWN_AXES = 1.3, REORIENTING = 1.6, NEAR_MESHES = 1.6;
 // One update of one grain, and that of one that meets meshes as they are drawn.
-constexpr double SECONDS_PER_GRAIN = 1.6e-7, SECONDS_PER_GRAIN_NEAR_MESHES = 3e-7;
+constexpr double SECONDS_PER_GRAIN = 1.6e-7, SECONDS_PER_GRAIN_NEAR_MESHES = 3e-7, TURNED_BY_FLOW = 2.0;
 // A frame or checkpoint is checked, compressed by nothing, written and read again by measures.
 constexpr double SECONDS_PER_BYTE_WRITTEN = 1e-8;
 constexpr std::uint64_t FRAME_BYTES_PER_BODY = 4000; // what HDF5 writes besides values
@@ -65,16 +65,18 @@ std::uint64_t frame_bytes_of_solid(const fem::FemPlan& plan, const fem::FemBody&
   return FRAME_BYTES_PER_BODY + vertices_in_frame(body) * per_node + report.tets * per_tet;
 }
 
-/// How fast matter that falls through its own height gets.
-double speed_of_fall(const mpm::MpmPlan& plan, const BodyReport& report) {
-  const double gravity = plan.gravity.norm();
-  const double height = gravity > 0.0 ? report.size.dot(plan.gravity.cwiseAbs()) / gravity : 0.0;
-  return std::sqrt(2.0 * gravity * height);
+/// How fast matter gets, roughly: as by falling through its own height, or for half of the shot.
+double speed_of_fall(const SimPlan& plan, const BodyReport& report) {
+  const Vec3& down = plan.mpm.gravity;
+  const double gravity = down.norm();
+  const double height = gravity > 0.0 ? report.size.dot(down.cwiseAbs()) / gravity : 0.0;
+  return std::max(std::sqrt(2.0 * gravity * height), 0.5 * gravity * plan.time_of(plan.last_frame));
 }
 
 /// What a body of particles adds; returns the seconds of one step of it.
-double add_body_of_particles(const mpm::MpmPlan& mpm, const mpm::MpmBody& body, const BodyReport& report, double dt,
+double add_body_of_particles(const SimPlan& plan, const mpm::MpmBody& body, const BodyReport& report, double dt,
                              CostEstimate& cost) {
+  const mpm::MpmPlan& mpm = plan.mpm;
   const bool double_precision = mpm.settings.precision == mpm::Precision::f64;
   const Result<mpm::CompiledMaterial> material = mpm::compile_material(body.material);
   const auto carries = [&](mpm::Channel channel) {
@@ -93,7 +95,7 @@ double add_body_of_particles(const mpm::MpmPlan& mpm, const mpm::MpmBody& body, 
   if (body.sub_particles) {
     const auto per_body = static_cast<std::uint64_t>(body.sub_particles->per_particle);
     const double travel = body.sub_particles->travel * mpm.settings.cell;
-    const double going = dt * std::max(speed_of_fall(mpm, report), body.initial_velocity.norm());
+    const double going = dt * std::max(speed_of_fall(plan, report), body.initial_velocity.norm());
     const double updates = travel > 0.0 ? std::clamp(going / travel, 0.02, 1.0) : 1.0;
     per_particle +=
         static_cast<double>(per_body) * updates * (near_meshes ? SECONDS_PER_GRAIN_NEAR_MESHES : SECONDS_PER_GRAIN);
@@ -126,7 +128,8 @@ void add_cost_of_particles(const ScenePlan& plan, CostEstimate& cost) {
   const double steps = std::ceil(plan.sim.time_of(plan.sim.last_frame) / dt);
   double seconds = cost.steps * cost.seconds_per_step;
   for (std::size_t i = 0; i < mpm.bodies.size(); ++i)
-    seconds += steps * add_body_of_particles(mpm, mpm.bodies[i], plan.bodies[plan.sim.fem.bodies.size() + i], dt, cost);
+    seconds +=
+        steps * add_body_of_particles(plan.sim, mpm.bodies[i], plan.bodies[plan.sim.fem.bodies.size() + i], dt, cost);
   cost.steps = std::max(cost.steps, steps);
   cost.time_step = cost.time_step > 0.0 ? std::min(cost.time_step, dt) : dt;
   cost.seconds_per_step = cost.steps > 0.0 ? seconds / cost.steps : 0.0;
