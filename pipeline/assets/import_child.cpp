@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <new>
 #include <string>
 
@@ -188,6 +189,22 @@ bool write_all(const std::string& bytes) {
   return true;
 }
 
+void end_for_want_of_memory() {
+  _exit(static_cast<int>(ErrorCode::out_of_memory));
+}
+
+/// Matrices throw bad_alloc from malloc, which asks no handler of new.
+void end_uncaught() {
+  try {
+    if (const std::exception_ptr thrown = std::current_exception())
+      std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    end_for_want_of_memory();
+  } catch (...) {
+  }
+  std::abort();
+}
+
 } // namespace
 
 bool is_import_child(int argc, char** argv) {
@@ -197,7 +214,8 @@ bool is_import_child(int argc, char** argv) {
 int import_child_main(int argc, char** argv) {
   if (argc != 7 || !is_import_child(argc, argv))
     return static_cast<int>(ErrorCode::usage);
-  std::set_new_handler([] { _exit(static_cast<int>(ErrorCode::out_of_memory)); });
+  std::set_new_handler(end_for_want_of_memory);
+  std::set_terminate(end_uncaught);
   syscall(SYS_close_range, IMPORT_ANSWER_FD + 1, ~0U, 0);
   SandboxLimits limits;
   limits.memory_bytes = std::strtoull(argv[4], nullptr, 10);
