@@ -50,12 +50,12 @@ double crossings(const MeasurePlan& plan, const SceneStatic& scene, const Frame&
       contact::find_crossings(solids.surface, positions, Threads(1), std::numeric_limits<std::size_t>::max());
   if (plan.nodes.empty())
     return static_cast<double>(all.size());
-  std::int32_t first_node = 0;
+  std::size_t first_node = 0;
   for (auto before = solids.bodies.begin(); before != found; ++before)
-    first_node += static_cast<std::int32_t>(scene.bodies[*before].rest_positions.rows());
+    first_node += static_cast<std::size_t>(scene.bodies[*before].rest_positions.rows());
   std::vector<char> picked(static_cast<std::size_t>(positions.rows()), 0);
   for (const std::int32_t node : plan.nodes)
-    picked[static_cast<std::size_t>(first_node + node)] = 1;
+    picked[first_node + static_cast<std::size_t>(node)] = 1;
   const auto is_picked = [&](std::int32_t node) { return picked[static_cast<std::size_t>(node)] != 0; };
   return static_cast<double>(std::count_if(all.begin(), all.end(), [&](const contact::Crossing& crossing) {
     return std::any_of(crossing.edge.begin(), crossing.edge.end(), is_picked) ||

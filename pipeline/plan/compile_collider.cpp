@@ -54,8 +54,10 @@ private:
     box.axes = placed->rotation;
     box.size = placed->scale * *asked.size;
     box.wall = asked.wall ? placed->scale * **asked.wall : 0.0;
-    for (const shots::Located<std::string>& side : asked.open)
-      box.open[static_cast<std::size_t>(2 * ((*side)[1] - 'x') + ((*side)[0] == '+'))] = true;
+    for (const shots::Located<std::string>& side : asked.open) {
+      const int face = 2 * ((*side)[1] - 'x') + ((*side)[0] == '+' ? 1 : 0);
+      box.open[static_cast<std::size_t>(face)] = true;
+    }
     m_collider.shape = box;
     return {};
   }

@@ -97,8 +97,9 @@ double add_body_of_particles(const SimPlan& plan, const mpm::MpmBody& body, cons
     const double travel = body.sub_particles->travel * mpm.settings.cell;
     const double going = dt * std::max(speed_of_fall(plan, report), body.initial_velocity.norm());
     const double updates = travel > 0.0 ? std::clamp(going / travel, 0.02, 1.0) : 1.0;
-    per_particle +=
-        static_cast<double>(per_body) * updates * (near_meshes ? SECONDS_PER_GRAIN_NEAR_MESHES : SECONDS_PER_GRAIN);
+    const double per_grain = (near_meshes ? SECONDS_PER_GRAIN_NEAR_MESHES : SECONDS_PER_GRAIN) *
+                             (body.sub_particles->jeffery ? TURNED_BY_FLOW : 1.0);
+    per_particle += static_cast<double>(per_body) * updates * per_grain;
     cost.memory_bytes += report.particles * per_body * 200;
     cost.bytes_per_frame += FRAME_BYTES_PER_BODY + report.particles * per_body * mpm::BYTES_PER_GRAIN_AND_FRAME;
     cost.bytes_per_checkpoint += report.particles * per_body * 150;
