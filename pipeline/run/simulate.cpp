@@ -32,10 +32,9 @@ constexpr const char* FIELDS = "fields";
 /// One run over the frames of a shot: what is open while it lasts.
 class SimulationRun {
 public:
-  SimulationRun(const shots::Shot& shot, const ScenePlan& plan, const SimulateOptions& options, FrameCache cache,
-                CheckpointStore checkpoints, std::optional<FieldStore> fields)
-      : m_shot(shot)
-      , m_plan(plan)
+  SimulationRun(const ScenePlan& plan, const SimulateOptions& options, FrameCache cache, CheckpointStore checkpoints,
+                std::optional<FieldStore> fields)
+      : m_plan(plan)
       , m_options(options)
       , m_cache(std::move(cache))
       , m_checkpoints(std::move(checkpoints))
@@ -65,7 +64,6 @@ private:
   Status write_checkpoint(int frame);
   Result<SceneStatic> whole_scene() const;
 
-  const shots::Shot& m_shot;
   const ScenePlan& m_plan;
   const SimulateOptions& m_options;
   FrameCache m_cache;
@@ -471,7 +469,7 @@ Result<SimulateOutcome> simulate(const shots::Shot& shot, const ScenePlan& plan,
     return status.error();
   if (Status status = write_file_atomically(options.out / "plan.json", plan_json(plan)); !status)
     return status.error();
-  return SimulationRun(shot, plan, options, std::move(*cache), std::move(*checkpoints), std::move(*fields)).go();
+  return SimulationRun(plan, options, std::move(*cache), std::move(*checkpoints), std::move(*fields)).go();
 }
 
 Result<MeasureTable> measure_frames(const ScenePlan& plan, const fs::path& out, const Threads& threads) {

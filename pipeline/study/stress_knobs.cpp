@@ -23,9 +23,9 @@ Ladder at(std::string key, const std::vector<double>& values) {
 }
 
 Ladder times(std::string key, double own, const std::vector<double>& factors) {
-  std::vector<double> values;
-  for (const double factor : factors)
-    values.push_back(own * factor);
+  std::vector<double> values = factors;
+  for (double& value : values)
+    value *= own;
   return at(std::move(key), values);
 }
 
