@@ -248,6 +248,7 @@ Status add_body(const FemBody& body, Isa isa, const Threads& threads, FemScene& 
 
 std::vector<int> nodes_of(const FemScene& scene, int body, const std::vector<std::int32_t>& vertices) {
   std::vector<int> nodes;
+  nodes.reserve(vertices.size());
   for (const std::int32_t vertex : vertices)
     nodes.push_back(scene.model.bodies[body].first_node + scene.meshes[body].node_of_vertex[vertex]);
   return nodes;
