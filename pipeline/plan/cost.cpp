@@ -71,7 +71,7 @@ double speed_of_fall(const SimPlan& plan, const BodyReport& report) {
   const Vec3& down = plan.mpm.gravity;
   const double gravity = down.norm();
   const double height = gravity > 0.0 ? report.size.dot(down.cwiseAbs()) / gravity : 0.0;
-  return std::max(0.6 * std::sqrt(2.0 * gravity * height), 0.25 * gravity * plan.time_of(plan.last_frame));
+  return std::max(0.6 * std::sqrt(2.0 * gravity * height), 0.15 * gravity * plan.time_of(plan.last_frame));
 }
 
 /// What a body of particles adds; returns the seconds of one step of it.

@@ -50,7 +50,8 @@ std::vector<scene::BoxObstacle> overlapping_walls(const scene::BoxObstacle& box,
   std::vector<scene::BoxObstacle> walls;
   for (int axis = 0; axis < 3; ++axis) {
     for (int side = 0; side < 2; ++side) {
-      if (box.open[static_cast<std::size_t>(2 * axis + side)])
+      const int face = 2 * axis + side;
+      if (box.open[static_cast<std::size_t>(face)])
         continue;
       Vec3 low = outer[0];
       Vec3 high = outer[1];
@@ -245,7 +246,8 @@ void Boundaries::constrain_nodes(const BlockCoord& coord, Scalar* values, std::v
     Scalar* value = values + node * NODE_VALUES;
     if (!(value[3] > 0))
       continue;
-    const Vec3 in_block(node / 16, node / 4 % 4, node % 4);
+    const int plane = node / 16, row = node / 4 % 4;
+    const Vec3 in_block(plane, row, node % 4);
     const Vec3 at = node_position(coord, in_block, m_cell);
     const double from_middle = (in_block - Vec3::Constant(MIDDLE)).norm() * m_cell;
     const Vec3 before(value[0], value[1], value[2]);

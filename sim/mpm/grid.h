@@ -16,7 +16,7 @@ namespace wry::mpm {
 /// particle at 1e9 m is a particle like others.
 struct BlockCoord {
   std::int64_t x = 0, y = 0, z = 0;
-  auto operator<=>(const BlockCoord&) const = default;
+  auto operator<=>(const BlockCoord&) const = default; // NOLINT(modernize-use-nullptr)
 };
 
 struct BlockCoordHash {

@@ -120,7 +120,8 @@ std::vector<BoxPart> box_parts(const BoxObstacle& box, double least_wall) {
   for (int axis = 0; axis < 3; ++axis) {
     double inner_low = low[axis], inner_high = high[axis];
     for (const int side : {0, 1}) {
-      if (box.open[static_cast<std::size_t>(2 * axis + side)])
+      const int face = 2 * axis + side;
+      if (box.open[static_cast<std::size_t>(face)])
         continue;
       Vec3 part_low = low, part_high = high;
       if (side == 0) {

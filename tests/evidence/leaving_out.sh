@@ -16,18 +16,20 @@ instructions() {
     sed -n 's/.*Collected : \([0-9]*\).*/\1/p'
 }
 
-echo "what,with,without,ratio"
+echo "what,with,without,ratio,ratio_after_start"
+start_with=$(instructions release --version)
+start_without=$(instructions bare --version)
+awk -v a="$start_with" -v b="$start_without" 'BEGIN { printf "start and --version,%.0f,%.0f,%.4f,\n", a, b, a / b }'
 row() {
   local name=$1 with without
   shift
   rm -rf "$scratch/with" "$scratch/without"
-  with=$(instructions release "$@" ${OUT:+--out "$scratch/with"})
-  without=$(instructions bare "$@" ${OUT:+--out "$scratch/without"})
-  printf '%s,%s,%s,%s\n' "$name" "$with" "$without" "$(awk -v a="$with" -v b="$without" 'BEGIN { printf "%.4f", a / b }')"
+  with=$(instructions release "$@" --out "$scratch/with")
+  without=$(instructions bare "$@" --out "$scratch/without")
+  awk -v name="$name" -v a="$with" -v b="$without" -v c="$start_with" -v d="$start_without" \
+    'BEGIN { printf "%s,%.0f,%.0f,%.4f,%.5f\n", name, a, b, a / b, (a - c) / (b - d) }'
 }
-row "start and --version" --version
-OUT=yes
 simulate=(--threads 1 --isa avx2 --quiet)
 row "flexing_bar, 13 frames" simulate shots/flexing_bar.toml "${simulate[@]}" --set fem.linear_solver=pcg
-row "closed_loop, 25 frames" simulate shots/closed_loop.toml "${simulate[@]}" --set fem.linear_solver=pcg --frames 1-25
-row "column, 3 frames" simulate shots/column.toml "${simulate[@]}" --frames 1-3 --set mpm.cell_size=0.025
+row "closed_loop, 5 frames" simulate shots/closed_loop.toml "${simulate[@]}" --set fem.linear_solver=pcg --frames 1-5
+row "column, 2 frames" simulate shots/column.toml "${simulate[@]}" --frames 1-2 --set mpm.cell_size=0.03
