@@ -35,6 +35,12 @@ Result<std::optional<scene::ColliderField>> drawn_field(const std::shared_ptr<co
   return std::optional<scene::ColliderField>(std::move(*field));
 }
 
+/// Whether a box has no wall there; side 0 is the lower one.
+bool is_open(const scene::BoxObstacle& box, int axis, int side) {
+  const int face = 2 * axis + side;
+  return box.open[static_cast<std::size_t>(face)];
+}
+
 /// The walls of a container as solids that overlap where they meet, so that no wall has a face inside another one by
 /// which a particle could find its way through. They grow outward to at least `least` [m].
 std::vector<scene::BoxObstacle> overlapping_walls(const scene::BoxObstacle& box, double least) {
@@ -43,15 +49,14 @@ std::vector<scene::BoxObstacle> overlapping_walls(const scene::BoxObstacle& box,
   Vec3 outer[2]; // of the whole, by side
   for (int axis = 0; axis < 3; ++axis) {
     for (int side = 0; side < 2; ++side) {
-      const bool open = box.open[static_cast<std::size_t>(2 * axis + side)];
+      const bool open = is_open(box, axis, side);
       outer[side][axis] = (side == 0 ? -1.0 : 1.0) * (open ? half[axis] : half[axis] - box.wall + thickness);
     }
   }
   std::vector<scene::BoxObstacle> walls;
   for (int axis = 0; axis < 3; ++axis) {
     for (int side = 0; side < 2; ++side) {
-      const int face = 2 * axis + side;
-      if (box.open[static_cast<std::size_t>(face)])
+      if (is_open(box, axis, side))
         continue;
       Vec3 low = outer[0];
       Vec3 high = outer[1];
