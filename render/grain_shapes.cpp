@@ -61,9 +61,12 @@ void append_end(const Facing& f, const Vector& a, const Vector& b, const Vector&
   const auto base = static_cast<std::uint32_t>(out.vertices.size());
   const std::uint32_t code = octahedral_word(normal);
   const int rings = inner > 0.f ? 2 : 1;
+  // A polygon inside the circle covers less than it: a little wider covers as much.
+  const float corner = 2.f * std::numbers::pi_v<float> / static_cast<float>(points);
+  const float wider = points < 6 ? std::sqrt(corner / std::sin(corner)) : 1.f;
   for (int p = 0; p < points; ++p) {
     const float angle = 2.f * std::numbers::pi_v<float> * static_cast<float>(p) / static_cast<float>(points);
-    const Vector around = std::cos(angle) * a + std::sin(angle) * b;
+    const Vector around = wider * (std::cos(angle) * a + std::sin(angle) * b);
     for (int ring = 0; ring < rings; ++ring)
       out.vertices.push_back({array_of(f.centre + f.z + (ring == 0 ? outer : inner) * around), code, word});
   }
@@ -226,6 +229,8 @@ std::size_t round_vertices(GrainShape shape, int segments) {
 int round_segments(float pixels) {
   if (pixels < 3.f)
     return 0;
+  if (pixels < 6.f)
+    return 2;
   if (pixels < 9.f)
     return 3;
   if (pixels < 30.f)

@@ -8,7 +8,7 @@ namespace wry::render {
 
 namespace {
 
-constexpr float ROOM = 2.f; // [pixels]
+constexpr float ROOM = 3.f; // [pixels]
 
 using Vec3f = Eigen::Vector3f;
 
@@ -57,41 +57,126 @@ float FarthestDepths::least(int left, int bottom, int right, int top) const {
   return least;
 }
 
+namespace {
+
+/// A box in clip space as x, y and distance: its middle and its half axes.
+struct ClipBox {
+  Vec3f centre;
+  std::array<Vec3f, 3> axes;
+};
+
+/// Whether a box is behind everything that is seen where it stands, by `thickness` [m] or more.
+bool is_hidden(const ClipBox& box, float thickness, float near_distance, const FarthestDepths& depths,
+               const ImageSize& size) {
+  const Eigen::Vector2f half(0.5f * static_cast<float>(size.width), 0.5f * static_cast<float>(size.height));
+  const float reach = std::abs(box.axes[0].z()) + std::abs(box.axes[1].z()) + std::abs(box.axes[2].z());
+  const float nearest = box.centre.z() - reach - thickness;
+  if (!(nearest > near_distance))
+    return false;
+  Eigen::Vector2f low = Eigen::Vector2f::Constant(std::numeric_limits<float>::infinity()), high = -low;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3f clip = box.centre + (corner & 1 ? 1.f : -1.f) * box.axes[0] + (corner & 2 ? 1.f : -1.f) * box.axes[1] +
+                       (corner & 4 ? 1.f : -1.f) * box.axes[2];
+    const Eigen::Vector2f pixel = (clip.head<2>() / clip.z() + Eigen::Vector2f::Ones()).cwiseProduct(half);
+    low = low.cwiseMin(pixel);
+    high = high.cwiseMax(pixel);
+  }
+  // Off the picture: another sub-frame may move it in.
+  if (!(low.x() > ROOM && low.y() > ROOM && high.x() < 2.f * half.x() - ROOM && high.y() < 2.f * half.y() - ROOM))
+    return false;
+  const float seen = depths.least(static_cast<int>(low.x() - ROOM), static_cast<int>(low.y() - ROOM),
+                                  static_cast<int>(high.x() + ROOM), static_cast<int>(high.y() + ROOM));
+  return near_distance / nearest < seen;
+}
+
+} // namespace
+
 std::vector<std::uint8_t> hidden_grains(std::span<const DrawGrain> grains, const Eigen::Matrix4f& clip_from_world,
                                         const FarthestDepths& depths, const ImageSize& size) {
-  const Eigen::Vector2f half(0.5f * static_cast<float>(size.width), 0.5f * static_cast<float>(size.height));
+  constexpr int PIECES_MAX = 6; // a long grain across the picture fits its rectangle badly: its pieces fit theirs
   const Eigen::Matrix3f linear = clip_from_world({0, 1, 3}, {0, 1, 2}); // x, y and distance
   const Vec3f shift = clip_from_world({0, 1, 3}, 3);
   const float near_distance = clip_from_world(2, 3);
   std::vector<std::uint8_t> hidden(grains.size(), 0);
   for (std::size_t i = 0; i < grains.size(); ++i) {
-    const Vec3f centre = linear * vector_of(grains[i].centre) + shift;
-    std::array<Vec3f, 3> axes;
-    float reach = 0.f, thickness = std::numeric_limits<float>::infinity();
+    ClipBox box;
+    box.centre = linear * vector_of(grains[i].centre) + shift;
+    std::array<float, 3> lengths{};
     for (std::size_t a = 0; a < 3; ++a) {
-      axes[a] = linear * vector_of(grains[i].axes[a]);
-      reach += std::abs(axes[a].z());
-      thickness = std::min(thickness, 2.f * vector_of(grains[i].axes[a]).norm());
+      box.axes[a] = linear * vector_of(grains[i].axes[a]);
+      lengths[a] = vector_of(grains[i].axes[a]).norm();
     }
-    const float nearest = centre.z() - reach - thickness;
-    if (!(nearest > near_distance))
-      continue;
-    Eigen::Vector2f low = Eigen::Vector2f::Constant(std::numeric_limits<float>::infinity()), high = -low;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3f clip = centre + (corner & 1 ? 1.f : -1.f) * axes[0] + (corner & 2 ? 1.f : -1.f) * axes[1] +
-                         (corner & 4 ? 1.f : -1.f) * axes[2];
-      const Eigen::Vector2f pixel = (clip.head<2>() / clip.z() + Eigen::Vector2f::Ones()).cwiseProduct(half);
-      low = low.cwiseMin(pixel);
-      high = high.cwiseMax(pixel);
+    const auto longest = static_cast<std::size_t>(std::max_element(lengths.begin(), lengths.end()) - lengths.begin());
+    const float thickness = 2.f * *std::min_element(lengths.begin(), lengths.end());
+    const float width = std::max(lengths[(longest + 1) % 3], lengths[(longest + 2) % 3]);
+    const int pieces = std::clamp(static_cast<int>(lengths[longest] / std::max(width, 1e-12f)), 1, PIECES_MAX);
+    const Vec3f along = box.axes[longest];
+    const Vec3f middle = box.centre;
+    box.axes[longest] = along / static_cast<float>(pieces);
+    bool all = true;
+    for (int piece = 0; piece < pieces && all; ++piece) {
+      box.centre = middle + along * (static_cast<float>(2 * piece + 1) / static_cast<float>(pieces) - 1.f);
+      all = is_hidden(box, thickness, near_distance, depths, size);
     }
-    // Off the picture: another sub-frame may move it in.
-    if (!(low.x() > ROOM && low.y() > ROOM && high.x() < 2.f * half.x() - ROOM && high.y() < 2.f * half.y() - ROOM))
-      continue;
-    const float seen = depths.least(static_cast<int>(low.x() - ROOM), static_cast<int>(low.y() - ROOM),
-                                    static_cast<int>(high.x() + ROOM), static_cast<int>(high.y() + ROOM));
-    hidden[i] = near_distance / nearest < seen ? 1 : 0;
+    hidden[i] = all ? 1 : 0;
   }
   return hidden;
+}
+
+OutlineOrder::OutlineOrder(std::span<const std::array<float, 3>> corners, const Eigen::Matrix4f& clip_from_world,
+                           int map_size)
+    : m_map_size(map_size) {
+  constexpr std::size_t CORNERS = 4;
+  const float half = 0.5f * static_cast<float>(map_size);
+  m_reaches.reserve(corners.size() / CORNERS);
+  for (std::size_t first = 0; first + CORNERS <= corners.size(); first += CORNERS) {
+    Vec3f low = Vec3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
+    for (std::size_t corner = first; corner < first + CORNERS; ++corner) {
+      const Vec3f clip =
+          clip_from_world.topLeftCorner<3, 3>() * vector_of(corners[corner]) + clip_from_world.topRightCorner<3, 1>();
+      low = low.cwiseMin(clip);
+      high = high.cwiseMax(clip);
+    }
+    m_reaches.push_back(
+        {half * (low.x() + 1.f), half * (low.y() + 1.f), half * (high.x() + 1.f), half * (high.y() + 1.f), low.z()});
+  }
+}
+
+std::vector<std::uint32_t> OutlineOrder::nearest(double part) {
+  std::vector<float> depths(m_reaches.size());
+  std::transform(m_reaches.begin(), m_reaches.end(), depths.begin(), [](const Reach& reach) { return reach.nearest; });
+  std::vector<std::uint32_t> chosen;
+  if (depths.empty())
+    return chosen;
+  const auto place = static_cast<std::ptrdiff_t>(part * static_cast<double>(depths.size() - 1));
+  std::nth_element(depths.begin(), depths.begin() + place, depths.end());
+  m_split = depths[static_cast<std::size_t>(place)];
+  for (std::uint32_t i = 0; i < m_reaches.size(); ++i) {
+    if (m_reaches[i].nearest <= m_split)
+      chosen.push_back(i);
+  }
+  return chosen;
+}
+
+std::vector<std::uint32_t> OutlineOrder::seen_of_the_rest(std::vector<float> depth) const {
+  // The least of what grows towards the light is the farthest.
+  for (float& d : depth)
+    d = 1.f - d;
+  const FarthestDepths farthest(std::move(depth), {m_map_size, m_map_size});
+  constexpr float SAFE = 1e-6f; // what a raster and this code may round differently
+  std::vector<std::uint32_t> chosen;
+  const float side = static_cast<float>(m_map_size);
+  for (std::uint32_t i = 0; i < m_reaches.size(); ++i) {
+    const Reach& reach = m_reaches[i];
+    if (reach.nearest <= m_split)
+      continue;
+    const bool inside = reach.left > 1.f && reach.bottom > 1.f && reach.right < side - 1.f && reach.top < side - 1.f;
+    if (!inside || !(1.f - reach.nearest + SAFE <
+                     farthest.least(static_cast<int>(reach.left - 1.f), static_cast<int>(reach.bottom - 1.f),
+                                    static_cast<int>(reach.right + 1.f), static_cast<int>(reach.top + 1.f))))
+      chosen.push_back(i);
+  }
+  return chosen;
 }
 
 } // namespace wry::render

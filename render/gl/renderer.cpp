@@ -147,6 +147,7 @@ SubFrame Renderer::Machinery::sub_frame(const View& view, const CameraPlan& aske
   const bool is_beauty = view.colouring == Colouring::look && view.signs == Signs::none;
   sub_frame.seconds = is_beauty ? static_cast<float>(exposure_time(plan, index)) : 0.f;
   use_lens(plan, asked, index, sub_frame.camera, sub_frame.jitter);
+  sub_frame.still = is_still(asked);
   sub_frame.clip_from_world = clip_matrix(sub_frame.camera, sub_frame.jitter);
   sub_frame.scene_radius = static_cast<float>(plan.bounds.radius());
   double lowest = std::numeric_limits<double>::infinity();
@@ -178,7 +179,7 @@ void Renderer::Machinery::face_grains(const SubFrame& sub_frame) {
 
 /// Whether nothing but the raster moves between sub-frames.
 bool Renderer::Machinery::is_still(const CameraPlan& asked) const {
-  return !(plan.shutter > 0.0) && !asked.f_stop.has_value();
+  return plan.samples == 1 || (!(plan.shutter > 0.0) && !asked.f_stop.has_value());
 }
 
 void Renderer::Machinery::leave_out_hidden_grains(const SubFrame& drawn, Geometry::Drawn done) {
@@ -192,11 +193,11 @@ void Renderer::Machinery::leave_out_hidden_grains(const SubFrame& drawn, Geometr
   times.front().wall_ms += wall_ms() - wall;
 }
 
-/// Of a heap most grains are behind others. The nearest are drawn first, so that those which they hide are never cut to
-/// triangles; the sub-frame then adds the rest.
+/// Of a heap most grains are behind others. The nearest part is drawn first, so that those which they hide are never
+/// cut to triangles; the sub-frame then adds the rest.
 Status Renderer::Machinery::draw_nearest_grains(SubFrame& first) {
   constexpr std::size_t WORTH_IT = 20000;
-  constexpr double NEAREST = 0.25;
+  constexpr double NEAREST = 0.4;
   if (geometry->grains() < WORTH_IT)
     return {};
   geometry->show_nearest(first.clip_from_world, NEAREST);

@@ -75,7 +75,8 @@ Geometry::Geometry(const GlFunctions& gl, const std::vector<Image>& textures)
     , m_round_data(make_buffer(gl))
     , m_outlines(make_buffer(gl))
     , m_outline_indices(make_buffer(gl))
-    , m_outline_array(make_vertex_array(gl)) {
+    , m_outline_array(make_vertex_array(gl))
+    , m_chosen_indices(make_buffer(gl)) {
   const GLuint array = m_array.name();
   gl.VertexArrayVertexBuffer(array, 0, m_vertices.name(), 0, sizeof(DrawVertex));
   gl.VertexArrayVertexBuffer(array, 1, m_velocities.name(), 0, sizeof(std::array<float, 3>));
@@ -310,6 +311,20 @@ void Geometry::draw_rounds() const {
 void Geometry::draw_outlines() const {
   m_gl.BindVertexArray(m_outline_array.name());
   m_gl.DrawElements(GL_TRIANGLES, m_outline_count, GL_UNSIGNED_INT, nullptr);
+}
+
+void Geometry::draw_outlines(std::span<const std::uint32_t> chosen) const {
+  std::vector<std::uint32_t> indices;
+  indices.reserve(chosen.size() * OUTLINE_INDICES);
+  for (const std::uint32_t outline : chosen) {
+    for (const std::uint32_t index : outline_indices())
+      indices.push_back(outline * OUTLINE_VERTICES + index);
+  }
+  fill(m_gl, m_chosen_indices, indices);
+  m_gl.VertexArrayElementBuffer(m_outline_array.name(), m_chosen_indices.name());
+  m_gl.BindVertexArray(m_outline_array.name());
+  m_gl.DrawElements(GL_TRIANGLES, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, nullptr);
+  m_gl.VertexArrayElementBuffer(m_outline_array.name(), m_outline_indices.name());
 }
 
 } // namespace wry::render

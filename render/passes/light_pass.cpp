@@ -1,5 +1,8 @@
 #include "render/passes/pass.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <optional>
 #include <tuple>
 
@@ -7,6 +10,7 @@
 #include "render/color_map.h"
 #include "render/environment.h"
 #include "render/passes/light_shader.h"
+#include "render/passes/picture_tiles.h"
 #include "render/passes/shader_parts.h"
 
 namespace wry::render {
@@ -63,7 +67,7 @@ std::vector<PixelRect> around(const PixelRect& inner, const ImageSize& size) {
 
 /// The programs of the light pass: floor and backdrop are far cheaper than the subject.
 struct LightPrograms {
-  Program touched;
+  Program shaded;
   Program open;
   Program subject;
   Program clay;
@@ -79,6 +83,7 @@ public:
       : m_resources(resources)
       , m_programs(std::move(programs))
       , m_looks(look_rows(resources.looks))
+      , m_tiles(resources.targets.size)
       , m_brdf(make_texture(resources.gl, GL_RG32F, BRDF_TABLE_SIZE, BRDF_TABLE_SIZE, TextureFilter::linear)) {
     const auto table = make_brdf_table();
     resources.gl.TextureSubImage2D(m_brdf.name(), 0, 0, 0, BRDF_TABLE_SIZE, BRDF_TABLE_SIZE, GL_RG, GL_FLOAT,
@@ -97,38 +102,101 @@ public:
     gl.Viewport(0, 0, targets.size.width, targets.size.height);
     gl.Enable(GL_DEPTH_TEST);
     gl.DepthMask(GL_FALSE);
-    if (sub_frame.index == 0 || sees_through) {
-      gl.Disable(GL_BLEND);
-    } else {
-      gl.Enable(GL_BLEND);
-      gl.BlendFunc(GL_ONE, GL_ONE);
-    }
-    const PixelRect& touched = sub_frame.touched;
-    // The triangle lies at the far plane: what has no depth is surround, what is nearer is subject.
-    gl.DepthFunc(GL_EQUAL);
-    draw_with(m_programs.touched, sub_frame, {touched});
-    draw_with(m_programs.open, sub_frame, around(touched, targets.size));
-    gl.DepthFunc(GL_LESS);
-    const Colouring colouring = sub_frame.view->colouring;
-    draw_with(colouring == Colouring::heat   ? m_programs.heat
-              : colouring == Colouring::look ? m_programs.subject
-                                             : m_programs.clay,
-              sub_frame, {touched});
+    gl.BlendFunc(GL_ONE, GL_ONE);
     if (sees_through) {
+      draw_everywhere(sub_frame, 1.f);
       draw_clear(sub_frame);
       add_sub_frame(sub_frame);
+    } else if (sub_frame.still) {
+      draw_tiles(sub_frame);
+    } else {
+      draw_everywhere(sub_frame, share(sub_frame));
     }
     gl.Disable(GL_BLEND);
     gl.DepthMask(GL_TRUE);
   }
 
 private:
+  static float share(const SubFrame& sub_frame) { return 1.f / static_cast<float>(sub_frame.count); }
+
+  /// Adds to what is there, but for the first time.
+  void add_or_begin(const SubFrame& sub_frame) const {
+    if (sub_frame.index == 0 || m_resources.geometry.has_clear())
+      m_resources.gl.Disable(GL_BLEND);
+    else
+      m_resources.gl.Enable(GL_BLEND);
+  }
+
+  const Program& subject_program(const SubFrame& sub_frame) const {
+    const Colouring colouring = sub_frame.view->colouring;
+    return colouring == Colouring::heat   ? m_programs.heat
+           : colouring == Colouring::look ? m_programs.subject
+                                          : m_programs.clay;
+  }
+
+  void draw_everywhere(const SubFrame& sub_frame, float weight) {
+    const GlFunctions& gl = m_resources.gl;
+    add_or_begin(sub_frame);
+    const PixelRect& touched = sub_frame.touched;
+    // The triangle lies at the far plane: what has no depth is surround, what is nearer is subject.
+    gl.DepthFunc(GL_EQUAL);
+    draw_with(m_programs.shaded, sub_frame, weight, {touched});
+    draw_with(m_programs.open, sub_frame, weight, around(touched, m_resources.targets.size));
+    gl.DepthFunc(GL_LESS);
+    draw_with(subject_program(sub_frame), sub_frame, weight, {touched});
+  }
+
+  /// As draw_everywhere(), but floor and backdrop away from the subject once for all sub-frames, in the last.
+  void draw_tiles(const SubFrame& sub_frame) {
+    const GlFunctions& gl = m_resources.gl;
+    if (sub_frame.index == 0)
+      begin_tiles(sub_frame);
+    const GLuint depth = m_resources.targets.depth.name();
+    gl.GetTextureImage(depth, 0, GL_DEPTH_COMPONENT, GL_FLOAT, static_cast<GLsizei>(m_depth.size() * sizeof(float)),
+                       m_depth.data());
+    m_tiles.take_depths(m_depth);
+    gl.Disable(GL_BLEND);
+    gl.Disable(GL_DEPTH_TEST);
+    if (sub_frame.index > 0)
+      draw_with(m_programs.open, sub_frame, static_cast<float>(sub_frame.index) * share(sub_frame),
+                m_tiles.newly_busy());
+    if (sub_frame.index + 1 == sub_frame.count)
+      draw_with(m_programs.open, sub_frame, 1.f, m_tiles.still());
+    gl.Enable(GL_DEPTH_TEST);
+    add_or_begin(sub_frame);
+    gl.DepthFunc(GL_EQUAL);
+    draw_with(m_programs.shaded, sub_frame, share(sub_frame), m_tiles.shaded_floor());
+    draw_with(m_programs.open, sub_frame, share(sub_frame), m_tiles.open_floor());
+    gl.DepthFunc(GL_LESS);
+    draw_with(subject_program(sub_frame), sub_frame, share(sub_frame), m_tiles.subject());
+  }
+
+  void begin_tiles(const SubFrame& sub_frame) {
+    const GlFunctions& gl = m_resources.gl;
+    const ImageSize& size = m_resources.targets.size;
+    const RenderPlan& plan = m_resources.plan;
+    m_depth.resize(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
+    m_tiles.clear();
+    if (sub_frame.lights.shadowed >= 0 && sub_frame.lights.blockers_found()) {
+      m_occlusion.resize(m_depth.size());
+      gl.GetTextureImage(m_resources.targets.occlusion.name(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                         static_cast<GLsizei>(4 * m_occlusion.size()), m_occlusion.data());
+      m_tiles.take_blockers(m_occlusion);
+    } else if (sub_frame.lights.shadowed >= 0) {
+      m_tiles.keep_drawing(sub_frame.touched);
+    }
+    // A backdrop of its own colour meets the floor in an edge.
+    if (plan.rig.backdrop == Rig::Backdrop::given && plan.ground.kind != Ground::Kind::none)
+      m_tiles.keep_drawing({0, 0, size.width, size.height});
+  }
+
   /// Far walls before near ones.
   void draw_clear(const SubFrame& sub_frame) {
     const GlFunctions& gl = m_resources.gl;
     m_programs.clear.use();
     bind_textures(m_programs.clear);
     set_frame(m_programs.clear, sub_frame);
+    m_programs.clear.set("weight", 1.f);
     set_lights(m_programs.clear, sub_frame);
     set_looks(m_programs.clear);
     m_programs.clear.set("clip_from_world", sub_frame.clip_from_world);
@@ -179,10 +247,13 @@ private:
                          maps.mirrored.data());
   }
 
-  void draw_with(const Program& program, const SubFrame& sub_frame, const std::vector<PixelRect>& rects) {
+  void draw_with(const Program& program, const SubFrame& sub_frame, float weight, const std::vector<PixelRect>& rects) {
+    if (rects.empty())
+      return;
     program.use();
     bind_textures(program);
     set_frame(program, sub_frame);
+    program.set("weight", weight);
     set_lights(program, sub_frame);
     set_looks(program);
     for (const PixelRect& rect : rects)
@@ -204,12 +275,26 @@ private:
 
   void set_frame(const Program& program, const SubFrame& sub_frame) {
     set_camera_part(program, sub_frame, m_resources.plan, m_resources.targets.size);
-    const bool sees_through = m_resources.geometry.has_clear();
-    program.set("weight", sees_through ? 1.f : 1.f / static_cast<float>(sub_frame.count));
-    program.set("noise_turn", static_cast<float>(sub_frame.index) * 0.618034f);
+    set_key_taps(program, sub_frame);
     program.set("ground_colour", m_resources.plan.ground.colour);
     program.set("catch_shadow", m_resources.plan.ground.kind == Ground::Kind::catch_shadow ? 1 : 0);
     program.set("show_around", m_resources.plan.rig.backdrop == Rig::Backdrop::surroundings ? 1 : 0);
+  }
+
+  static void set_key_taps(const Program& program, const SubFrame& sub_frame) {
+    const int sharing = sub_frame.lights.frames_per_map;
+    const int all = sharing * sub_frame.lights.key_taps;
+    program.set("noise_turn", static_cast<float>(sub_frame.index / sharing) * 0.618034f);
+    // The points of one spiral in turn (Vogel 1979), so that the sub-frames of a map fill its disc together.
+    Eigen::Matrix4Xf taps = Eigen::Matrix4Xf::Zero(4, sub_frame.lights.key_taps);
+    for (int i = 0; i < sub_frame.lights.key_taps; ++i) {
+      const int point = sharing * i + sub_frame.index % sharing;
+      const double radius = std::sqrt((point + 0.5) / all);
+      const double angle = point * std::numbers::pi * (3.0 - std::sqrt(5.0));
+      taps.col(i).head<2>() << static_cast<float>(radius * std::cos(angle)),
+          static_cast<float>(radius * std::sin(angle));
+    }
+    program.set_array("key_taps", taps);
   }
 
   void set_lights(const Program& program, const SubFrame& sub_frame) {
@@ -246,6 +331,9 @@ private:
   PassResources m_resources;
   LightPrograms m_programs;
   LookRows m_looks;
+  PictureTiles m_tiles;
+  std::vector<float> m_depth; ///< of the sub-frame, as the tiles read it
+  std::vector<std::array<std::uint8_t, 4>> m_occlusion;
   GlObject m_brdf;
   Eigen::Matrix4Xf m_matt;
   GlObject m_mirrored;
@@ -254,17 +342,22 @@ private:
 } // namespace
 
 Result<std::unique_ptr<Pass>> create_light_pass(const PassResources& resources) {
-  const LightState lights = light_state(resources.plan, 0.0, 0, 1);
+  const LightState lights = light_state(resources.plan, 0.0, 0, resources.plan.samples);
+  const bool coated = std::any_of(resources.looks.begin(), resources.looks.end(),
+                                  [](const Look& look) { return look.clearcoat > 0.f; });
+  const Coats coats = coated ? Coats::some : Coats::none;
   LightPrograms programs;
   for (const auto& [program, what, source] :
-       {std::tuple(&programs.touched, "touched surround light",
-                   surround_fragment_shader(resources.plan, lights, Surround::touched)),
+       {std::tuple(&programs.shaded, "shaded surround light",
+                   surround_fragment_shader(resources.plan, lights, Surround::shaded)),
         std::tuple(&programs.open, "open surround light",
                    surround_fragment_shader(resources.plan, lights, Surround::open)),
         std::tuple(&programs.subject, "subject light",
-                   subject_fragment_shader(resources.plan, lights, Colouring::look)),
-        std::tuple(&programs.clay, "clay light", subject_fragment_shader(resources.plan, lights, Colouring::clay)),
-        std::tuple(&programs.heat, "heat light", subject_fragment_shader(resources.plan, lights, Colouring::heat))}) {
+                   subject_fragment_shader(resources.plan, lights, Colouring::look, coats)),
+        std::tuple(&programs.clay, "clay light",
+                   subject_fragment_shader(resources.plan, lights, Colouring::clay, Coats::none)),
+        std::tuple(&programs.heat, "heat light",
+                   subject_fragment_shader(resources.plan, lights, Colouring::heat, Coats::none))}) {
     Result<Program> made = Program::create(resources.gl, what, FULL_SCREEN_VERTEX_SHADER, source);
     if (!made.ok())
       return made.error();

@@ -17,6 +17,7 @@ layout(location = 0) out vec4 light_out;
 
 uniform float weight;
 uniform float noise_turn;
+uniform vec4 key_taps[4];
 
 uniform vec3 ground_colour;
 uniform int catch_shadow;
@@ -52,8 +53,8 @@ uniform vec4 heat_map[10];
 
 const char* const SHADOW = R"(
 // Share of the key light that arrives: taps on a spiral, turned per pixel, over the part of the light's disc that this
-// sub-frame stands for, seen from as far as the blockers are. Each tap's depth follows the receiver's plane, so a wide
-// filter needs no wide bias.
+// sub-frame stands for, seen from as far as the blockers are; sub-frames of one map share them out. Each tap's depth
+// follows the receiver's plane, so a wide filter needs no wide bias.
 float key_visibility(vec3 position, vec3 normal, vec2 blockers) {
   vec3 place = shadow_place(position, normal);
   vec2 slope = shadow_slope(normal);
@@ -61,14 +62,13 @@ float key_visibility(vec3 position, vec3 normal, vec2 blockers) {
   float radius = max(width, 1.2 * shadow_texel) / shadow_extent;
   float turn = 6.2831853 * (gradient_noise(gl_FragCoord.xy) + noise_turn);
   mat2 rotation = mat2(cos(turn), sin(turn), -sin(turn), cos(turn)) * radius;
-  const vec2 TAPS[4] = vec2[](vec2(0.3536, 0.0), vec2(-0.4516, 0.4137), vec2(0.0691, -0.7876), vec2(0.5692, 0.7424));
   float sum = 0.0;
-  for (int i = 0; i < 4; ++i) {
-    vec2 offset = rotation * TAPS[i];
+  for (int i = 0; i < KEY_TAPS; ++i) {
+    vec2 offset = rotation * key_taps[i].xy;
     float bias = dot(slope, offset) - 0.35 * shadow_texel / shadow_depth;
     sum += textureLod(shadow_map, vec3(place.xy + offset, min(place.z + bias, 0.9999)), 0.0);
   }
-  return 0.25 * sum;
+  return sum / float(KEY_TAPS);
 }
 )";
 
@@ -141,12 +141,15 @@ vec3 shade(Surface s, vec3 n, vec3 v, float key, float ambient) {
   // Light that bounces more than once between the facets (Turquin 2019).
   vec3 again = 1.0 + f0 * (1.0 / max(split.x + split.y, 0.05) - 1.0);
   vec3 mirrored = (f0 * split.x + split.y) * again;
+#ifdef COATED
   vec2 coat_split = split_sum(nv, s.coat_roughness);
   float coat_mirrored = s.coat * (0.04 * coat_split.x + coat_split.y) *
                         (1.0 + 0.04 * (1.0 / max(coat_split.x + coat_split.y, 0.05) - 1.0));
+  float coat_alpha = s.coat_roughness * s.coat_roughness;
+#endif
   vec3 matt = s.base * (1.0 - s.metallic) * (1.0 - mirrored);
   float alpha = s.roughness * s.roughness;
-  float coat_alpha = s.coat_roughness * s.coat_roughness;
+  vec3 per_wrap = 1.0 / ((1.0 + s.wrap) * (1.0 + s.wrap));
 
   // Hollows of bright surfaces are lit by themselves (Jimenez et al. 2016).
   vec3 own = s.base * (1.0 - s.metallic);
@@ -156,7 +159,9 @@ vec3 shade(Surface s, vec3 n, vec3 v, float key, float ambient) {
   vec3 r = reflect(-v, n);
   float mirror_open = clamp((nv + ambient) * (nv + ambient) - 1.0 + ambient, 0.0, 1.0);
   from_around += mirrored * surroundings(r, s.roughness) * mirror_open;
+#ifdef COATED
   from_around = from_around * (1.0 - coat_mirrored) + coat_mirrored * surroundings(r, s.coat_roughness) * mirror_open;
+#endif
 
   vec3 sum = from_around;
   for (int i = 0; i < LIGHT_COUNT; ++i) {
@@ -164,16 +169,21 @@ vec3 shade(Surface s, vec3 n, vec3 v, float key, float ambient) {
     float spread = light_directions[i].w;
     float arrives = i == SHADOWED ? key : mix(0.35, 1.0, ambient);
     float cosine = dot(n, l);
-    vec3 wrapped = max(vec3(cosine) + s.wrap, 0.0) / ((1.0 + s.wrap) * (1.0 + s.wrap));
+    vec3 wrapped = max(vec3(cosine) + s.wrap, 0.0) * per_wrap;
     float nl = max(cosine, 0.0);
-    vec3 h = normalize(l + v);
-    float nh = max(dot(n, h), 0.0);
-    float away = 1.0 - max(dot(v, h), 0.0);
+    // The half vector is (l + v) / |l + v|, and |l + v|^2 = 2 + 2 l.v.
+    float lv = dot(l, v);
+    float per_half = inversesqrt(max(2.0 + 2.0 * lv, 1e-6));
+    float nh = clamp((cosine + dot(n, v)) * per_half, 0.0, 1.0);
+    float away = 1.0 - min((1.0 + lv) * per_half, 1.0);
     float fresnel = away * away * away * away * away;
     vec3 glint = (f0 + (1.0 - f0) * fresnel) * again * (ggx(min(alpha + 0.5 * spread, 1.0), nl, nv, nh) * nl);
-    float coat_glint =
-        s.coat * (0.04 + 0.96 * fresnel) * ggx(min(coat_alpha + 0.5 * spread, 1.0), nl, nv, nh) * nl;
-    sum += light_radiances[i].rgb * arrives * ((matt * wrapped + glint) * (1.0 - coat_mirrored) + coat_glint);
+    vec3 sent = matt * wrapped + glint;
+#ifdef COATED
+    sent = sent * (1.0 - coat_mirrored) +
+           s.coat * (0.04 + 0.96 * fresnel) * ggx(min(coat_alpha + 0.5 * spread, 1.0), nl, nv, nh) * nl;
+#endif
+    sum += light_radiances[i].rgb * arrives * sent;
   }
   return sum;
 }
@@ -250,13 +260,12 @@ void main() {
   float to_ground = distance_to_ground(ray);
   bool floor_seen = to_ground > 0.0;
   vec3 position = eye + ray * to_ground;
-#ifdef TOUCHED
   vec3 occlusion = texelFetch(occlusion_map, ivec2(gl_FragCoord.xy), 0).xyz;
-  float key = SHADOWED >= 0 ? key_visibility(position, world_up, occlusion.yz) : 1.0;
   float ambient = mix(1.0, occlusion.x, occlusion_share);
+#ifdef SHADED
+  float key = SHADOWED >= 0 ? key_visibility(position, world_up, occlusion.yz) : 1.0;
 #else
   float key = 1.0;
-  float ambient = 1.0;
 #endif
   vec3 light = sky * ambient + floor_key * key + floor_others * mix(0.35, 1.0, ambient);
 #ifdef CLEAR
@@ -332,18 +341,21 @@ void main() {
 
 /// Counts are constants of the program: llvmpipe runs a loop of unknown length several times slower.
 std::string beginning(const RenderPlan& plan, const LightState& lights, const char* variant) {
-  return fmt::format("#version 450 core\n#define LIGHT_COUNT {}\n#define SHADOWED {}\n{}{}{}", lights.count,
-                     lights.shadowed, variant, plan.rig.surroundings ? "#define ENVIRONMENT\n" : "",
+  return fmt::format("#version 450 core\n#define LIGHT_COUNT {}\n#define SHADOWED {}\n#define KEY_TAPS {}\n{}{}{}",
+                     lights.count, lights.shadowed, lights.key_taps, variant,
+                     plan.rig.surroundings ? "#define ENVIRONMENT\n" : "",
                      plan.background == Background::clear ? "#define CLEAR\n" : "") +
          CAMERA_PART + SHADOW_SPACE_PART + DECLARATIONS + SHADOW + AROUND;
 }
 
 } // namespace
 
-std::string subject_fragment_shader(const RenderPlan& plan, const LightState& lights, Colouring colouring) {
+std::string subject_fragment_shader(const RenderPlan& plan, const LightState& lights, Colouring colouring,
+                                    Coats coats) {
   const char* variant = colouring == Colouring::heat   ? "#define HEAT\n"
-                        : colouring == Colouring::look ? "#define TINTED\n"
-                                                       : "";
+                        : colouring != Colouring::look ? ""
+                        : coats == Coats::some         ? "#define TINTED\n#define COATED\n"
+                                                       : "#define TINTED\n";
   return beginning(plan, lights, variant) + MATERIAL + SUBJECT_MAIN;
 }
 
@@ -356,7 +368,7 @@ std::string clear_fragment_shader(const RenderPlan& plan, const LightState& ligh
 }
 
 std::string surround_fragment_shader(const RenderPlan& plan, const LightState& lights, Surround surround) {
-  return beginning(plan, lights, surround == Surround::touched ? "#define TOUCHED\n" : "") + SURROUND_MAIN;
+  return beginning(plan, lights, surround == Surround::shaded ? "#define SHADED\n" : "") + SURROUND_MAIN;
 }
 
 } // namespace wry::render

@@ -7,11 +7,14 @@
 
 namespace wry::render {
 
-/// Fragment shader that shades the subject's pixels; the number of lights and which one casts are fixed in it.
-std::string subject_fragment_shader(const RenderPlan& plan, const LightState& lights, Colouring colouring);
+/// Whether any look has a layer of lacquer or glaze: without, its light is not computed.
+enum class Coats { none, some };
 
-/// Floor that the subject may darken, or floor and backdrop far from it.
-enum class Surround { touched, open };
+/// Fragment shader that shades the subject's pixels; the number of lights and which one casts are fixed in it.
+std::string subject_fragment_shader(const RenderPlan& plan, const LightState& lights, Colouring colouring, Coats coats);
+
+/// Floor where the key light may be blocked; or floor and backdrop where it is not, though the sky may be.
+enum class Surround { shaded, open };
 
 /// Fragment shader of the floor and the backdrop.
 std::string surround_fragment_shader(const RenderPlan& plan, const LightState& lights, Surround surround);

@@ -66,6 +66,7 @@ LightState light_state(const RenderPlan& plan, double camera_azimuth_degrees, in
   LightState state;
   // The filter fills in what two sub-frames would see of the light's disc, unless the scene moves between them.
   state.frames_per_map = count >= 4 && !(plan.shutter > 0.0) ? 2 : 1;
+  state.key_taps = state.frames_per_map > 1 ? 3 : KEY_TAPS_MAX;
   const int maps = (count + state.frames_per_map - 1) / state.frames_per_map;
   state.directions.setZero();
   state.radiances.setZero();

@@ -29,7 +29,7 @@ uniform int shadowed;
 layout(location = 0) out vec4 found; // visibility, blocker distance * share, share, distance
 
 const int SLICES = 2;
-const int STEPS = 4;
+const int STEPS = 3;
 const float ORDER[16] = float[](0.0, 8.0, 2.0, 10.0, 12.0, 4.0, 14.0, 6.0, 3.0, 11.0, 1.0, 9.0, 15.0, 7.0, 13.0, 5.0);
 
 float fast_acos(float x) {
@@ -38,39 +38,47 @@ float fast_acos(float x) {
   return x >= 0.0 ? angle : PI - angle;
 }
 
-float visibility(ivec2 half_pixel, vec3 ray, float z, vec3 n, float turn, float phase) {
-  vec3 p = ray * z;
-  vec3 v = -normalize(ray);
+float visibility(vec2 half_place, vec3 ray, float z, vec3 n, float turn, float phase) {
+  // In the camera's own axes: right, up, and distance along the view axis.
+  vec2 tangent = vec2(length(ray_right), length(ray_up));
+  vec3 right = ray_right / tangent.x;
+  vec3 up = ray_up / tangent.y;
+  vec3 slope = vec3(dot(ray, right), dot(ray, up), 1.0);
+  vec3 p = slope * z;
+  vec3 v = -normalize(slope);
+  vec3 normal = vec3(dot(n, right), dot(n, up), dot(n, ray_centre));
   float reach = 0.30 * scene_radius;
-  float pixels_per_metre = 0.25 * size.x / (length(ray_right) * z);
-  float pixels = min(reach * pixels_per_metre, 0.125 * size.x);
-  vec3 right = normalize(ray_right);
-  vec3 up = normalize(ray_up);
-  ivec2 last = textureSize(distance_map, 0) - 1;
+  float pixels = min(reach * 0.25 * size.x / (tangent.x * z), 0.125 * size.x);
+  vec2 per_texel = 1.0 / vec2(textureSize(distance_map, 0));
+  vec2 per_place = 4.0 * tangent / size; // of half pixels
+  vec2 first = (vec2(1.0) / size - 1.0 - jitter) * tangent - 0.5 * per_place;
+  float per_reach = 1.0 / (reach * reach);
   float sum = 0.0;
   for (int slice = 0; slice < SLICES; ++slice) {
     float angle = (float(slice) + turn) * (PI / float(SLICES));
     vec2 direction = vec2(cos(angle), sin(angle));
-    vec3 along = right * direction.x + up * direction.y;
+    vec3 along = vec3(direction, 0.0);
     vec3 ortho = along - v * dot(along, v);
     vec3 axis = normalize(cross(ortho, v));
-    vec3 in_slice = n - axis * dot(n, axis);
+    vec3 in_slice = normal - axis * dot(normal, axis);
     float in_length = length(in_slice) + 1e-6;
     float cosine_n = clamp(dot(in_slice, v) / in_length, 0.0, 1.0);
-    float angle_n = (dot(in_slice, ortho) >= 0.0 ? 1.0 : -1.0) * fast_acos(cosine_n);
-    float sine_n = sin(angle_n);
+    float sign_n = dot(in_slice, ortho) >= 0.0 ? 1.0 : -1.0;
+    float angle_n = sign_n * fast_acos(cosine_n);
+    float sine_n = sign_n * sqrt(1.0 - cosine_n * cosine_n);
     vec2 lowest = vec2(-sine_n, sine_n); // cosines of the horizons where nothing stands
     vec2 highest = lowest;
     for (int k = 0; k < STEPS; ++k) {
       float s = (float(k) + phase) / float(STEPS);
       vec2 offset = direction * max(s * s * pixels, 1.0 + float(k));
       for (int side = 0; side < 2; ++side) {
-        ivec2 wanted = half_pixel + ivec2(round(side == 0 ? offset : -offset));
-        ivec2 tap = clamp(wanted, ivec2(0), last);
-        vec3 there = ray_through(vec2(tap * 2) + 0.5) * texelFetch(distance_map, tap, 0).x - p;
+        vec2 place = floor(half_place + (side == 0 ? offset : -offset)) + 0.5;
+        vec2 at = place * per_texel;
+        float distance = textureLod(distance_map, at, 0.0).x;
+        vec3 there = vec3((first + place * per_place) * distance, distance) - p;
         float square = dot(there, there);
-        float fade = clamp(1.0 - square / (reach * reach), 0.0, 1.0);
-        fade = tap == wanted ? fade : 0.0; // nothing is known beyond the picture
+        float fade = clamp(1.0 - square * per_reach, 0.0, 1.0);
+        fade = max(abs(at.x - 0.5), abs(at.y - 0.5)) < 0.5 ? fade : 0.0; // nothing is known beyond the picture
         float cosine = mix(lowest[side], dot(there, v) * inversesqrt(square + 1e-20), fade);
         highest[side] = max(highest[side], cosine);
       }
@@ -79,8 +87,8 @@ float visibility(ivec2 half_pixel, vec3 ray, float z, vec3 n, float turn, float 
     float h1 = -fast_acos(clamp(highest[1], -1.0, 1.0));
     h0 = angle_n + min(h0 - angle_n, 0.5 * PI);
     h1 = angle_n + max(h1 - angle_n, -0.5 * PI);
-    sum += in_length * 0.25 * ((cosine_n + 2.0 * h0 * sine_n - cos(2.0 * h0 - angle_n)) +
-                               (cosine_n + 2.0 * h1 * sine_n - cos(2.0 * h1 - angle_n)));
+    sum += in_length * 0.25 * (2.0 * cosine_n + 2.0 * (h0 + h1) * sine_n - cos(2.0 * h0 - angle_n) -
+                               cos(2.0 * h1 - angle_n));
   }
   return 1.06 * sum / float(SLICES); // an open floor is open, whatever the taps were rounded to; may exceed 1 until the mean
 }
@@ -90,9 +98,12 @@ vec2 blockers(vec3 position, vec3 normal, float turn) {
   vec2 slope = shadow_slope(normal);
   float radius = min(1.4 * shadow_spread * shadow_depth, 0.12 * shadow_extent) / shadow_extent;
   vec2 sum = vec2(0.0);
+  float angle = 2.3999632 * 16.0 * turn;
+  vec2 direction = radius * vec2(cos(angle), sin(angle));
+  const mat2 ON = mat2(-0.7373688, 0.6754903, -0.6754903, -0.7373688); // by the golden angle
   for (int i = 0; i < 8; ++i) {
-    float angle = 2.3999632 * (float(i) + turn * 16.0);
-    vec2 offset = vec2(cos(angle), sin(angle)) * (radius * sqrt((float(i) + 0.5) / 8.0));
+    vec2 offset = direction * sqrt((float(i) + 0.5) / 8.0);
+    direction = ON * direction;
     float depth = textureLod(shadow_depth_map, place.xy + offset, 0.0).x;
     float gap = (min(place.z + dot(slope, offset), 0.9999) - depth) * shadow_depth - 0.5 * shadow_texel;
     sum += gap > 0.0 ? vec2(gap, 1.0) : vec2(0.0);
@@ -114,7 +125,7 @@ void main() {
   float order = ORDER[(half_pixel.x & 3) + 4 * (half_pixel.y & 3)];
   float turn = (order + 0.5) / 16.0;
   float phase = fract(turn * 7.0 + 0.25);
-  float seen = visibility(half_pixel, ray, z, n, turn, phase);
+  float seen = visibility(gl_FragCoord.xy, ray, z, n, turn, phase);
   vec2 blocked = shadowed >= 0 ? blockers(eye + ray * z, n, turn) : vec2(0.0);
   found = vec4(seen, blocked, z / scene_radius);
 })";
@@ -145,21 +156,21 @@ void main() {
   float depth = texelFetch(depth_map, pixel, 0).x;
   float ground = distance_to_ground(ray_through(gl_FragCoord.xy));
   float z = (depth > 0.0 ? near_distance / depth : (ground > 0.0 ? ground : 6e4 * scene_radius)) / scene_radius;
-  ivec2 last = textureSize(found_map, 0) - 1;
+  vec2 per_texel = 1.0 / vec2(textureSize(found_map, 0));
   ivec2 half_pixel = pixel / 2;
   int beside = half_pixel.x + (pixel.x & 1);
   vec4 sum = vec4(0.0);
   for (int i = -2; i <= 2; ++i) {
-    int row = clamp(half_pixel.y + i, 0, last.y);
+    int row = half_pixel.y + i;
     // Four rows' worth about the pixel: it lies on a row, or between two.
     float share = (pixel.y & 1) == 0 ? (i == -2 || i == 2 ? 0.5 : 1.0) : (i == -2 ? 0.0 : 1.0);
-    vec4 tap = texelFetch(found_map, ivec2(min((i & 1) == 0 ? half_pixel.x : beside, last.x), row), 0);
+    vec4 tap = textureLod(found_map, (vec2((i & 1) == 0 ? half_pixel.x : beside, row) + 0.5) * per_texel, 0.0);
     float near_by = 0.012 * z / (0.012 * z + abs(tap.w - z));
     float weight = near_by * near_by * share;
     sum += vec4(tap.xyz, 1.0) * weight;
   }
-  sum.xyz /= sum.w;
-  occlusion = vec4(sum.x, sum.y / max(sum.z, 1e-4) / shadow_depth, sum.z, 1.0);
+  vec3 mean = sum.xyz * (1.0 / sum.w);
+  occlusion = vec4(mean.x, mean.y / (max(mean.z, 1e-4) * shadow_depth), mean.z, 1.0);
 })";
 
 struct OcclusionPrograms {

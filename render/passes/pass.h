@@ -71,6 +71,9 @@ public:
   void draw_boxes() const;    ///< normals flat, from the last vertex
   void draw_rounds() const;   ///< normals smooth
   void draw_outlines() const; ///< for the shadow map: positions alone
+  /// The corners of the outlines, OUTLINE_VERTICES each, and some of them, by number, in place of all.
+  std::span<const std::array<float, 3>> outlines() const { return m_outline_vertices; }
+  void draw_outlines(std::span<const std::uint32_t> chosen) const;
 
 private:
   void upload_triangles(const DrawList& list);
@@ -93,7 +96,7 @@ private:
   GlObject m_boxes, m_box_indices, m_box_array;
   GlObject m_rounds, m_round_indices, m_round_array;
   GlObject m_box_data, m_round_data;
-  GlObject m_outlines, m_outline_indices, m_outline_array;
+  GlObject m_outlines, m_outline_indices, m_outline_array, m_chosen_indices;
   GLsizei m_box_count = 0, m_round_count = 0, m_outline_count = 0;
   std::size_t m_box_pattern = 0, m_outline_pattern = 0;
   std::vector<GrainVertex> m_box_vertices;
@@ -115,6 +118,7 @@ struct SubFrame {
   float scene_radius = 1.f;   ///< [m]
   float ground_height = 0.f;  ///< along up, relative to the centre of the bounds [m]
   bool surface_begun = false; ///< what the surface pass draws comes to what is there
+  bool still = false;         ///< all sub-frames see the same, but for parts of a pixel
   PixelRect touched;          ///< outside it the picture is evenly lit floor and backdrop
   LightState lights;
 };

@@ -4,9 +4,12 @@ namespace wry::render {
 
 const char* const CAMERA_PART = R"(
 uniform vec3 eye;
-uniform vec3 ray_centre;   // view axis: a point at distance z is eye + z * ray
+uniform vec3 ray_centre; // view axis: a point at distance z is eye + z * ray
 uniform vec3 ray_right;
 uniform vec3 ray_up;
+uniform vec3 ray_corner; // of the picture, at its lower left
+uniform vec3 ray_x;      // from pixel to pixel
+uniform vec3 ray_y;
 uniform vec2 jitter;
 uniform vec2 size;
 uniform float near_distance;
@@ -18,10 +21,7 @@ uniform float ground_height;
 const float PI = 3.14159265;
 
 // The ray through a place of the picture, in pixels of a target of `size`.
-vec3 ray_through(vec2 place) {
-  vec2 ndc = place / size * 2.0 - 1.0 - jitter;
-  return ray_centre + ray_right * ndc.x + ray_up * ndc.y;
-}
+vec3 ray_through(vec2 place) { return ray_corner + ray_x * place.x + ray_y * place.y; }
 
 // How far along a ray the ground is; not positive where there is none.
 float distance_to_ground(vec3 ray) {
@@ -70,8 +70,14 @@ void set_camera_part(const Program& program, const SubFrame& sub_frame, const Re
   const auto vector = [](const Vec3& v) { return Eigen::Vector3f(v.cast<float>()); };
   program.set("eye", vector(camera.eye));
   program.set("ray_centre", vector(-camera.axes.col(2)));
-  program.set("ray_right", vector(camera.axes.col(0) * camera.tan_half_width));
-  program.set("ray_up", vector(camera.axes.col(1) * camera.tan_half_height));
+  const Vec3 right = camera.axes.col(0) * camera.tan_half_width;
+  const Vec3 up = camera.axes.col(1) * camera.tan_half_height;
+  program.set("ray_right", vector(right));
+  program.set("ray_up", vector(up));
+  program.set("ray_corner",
+              vector(-camera.axes.col(2) - right * (1.0 + sub_frame.jitter.x()) - up * (1.0 + sub_frame.jitter.y())));
+  program.set("ray_x", vector(right * (2.0 / size.width)));
+  program.set("ray_y", vector(up * (2.0 / size.height)));
   program.set("jitter", sub_frame.jitter);
   program.set("size", Eigen::Vector2f(static_cast<float>(size.width), static_cast<float>(size.height)));
   program.set("near_distance", static_cast<float>(camera.near_distance));

@@ -47,7 +47,7 @@ public:
     m_program.set("seconds", sub_frame.seconds);
     m_resources.geometry.draw();
     if (m_resources.geometry.has_clouds())
-      m_resources.geometry.draw_outlines();
+      draw_outlines(sub_frame.lights);
     if (!m_resources.geometry.has_clear())
       return;
     m_clear.use();
@@ -57,6 +57,23 @@ public:
   }
 
 private:
+  /// Most grains of a heap are in the shadow of others: they need not be drawn.
+  void draw_outlines(const LightState& lights) {
+    constexpr std::size_t WORTH_IT = 20000;
+    constexpr double NEAREST = 0.4;
+    const Geometry& geometry = m_resources.geometry;
+    if (geometry.outlines().size() < WORTH_IT * OUTLINE_VERTICES) {
+      geometry.draw_outlines();
+      return;
+    }
+    OutlineOrder order(geometry.outlines(), lights.clip_from_world_shadow, SHADOW_MAP_SIZE);
+    geometry.draw_outlines(order.nearest(NEAREST));
+    std::vector<float> depth(static_cast<std::size_t>(SHADOW_MAP_SIZE) * SHADOW_MAP_SIZE);
+    m_resources.gl.GetTextureImage(m_resources.targets.shadow.name(), 0, GL_DEPTH_COMPONENT, GL_FLOAT,
+                                   static_cast<GLsizei>(depth.size() * sizeof(float)), depth.data());
+    geometry.draw_outlines(order.seen_of_the_rest(std::move(depth)));
+  }
+
   PassResources m_resources;
   Program m_program;
   Program m_clear;

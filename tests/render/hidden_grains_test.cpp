@@ -1,5 +1,7 @@
 #include "render/hidden_grains.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace wry::render {
@@ -75,6 +77,44 @@ TEST(HiddenGrains, FarthestDepthsAreNeverNearerThanThoseOfTheRectangle) {
       EXPECT_GE(found, around);
     }
   }
+}
+
+/// Squares of two by two across the light, at these depths, all about the middle of the map.
+std::vector<std::array<float, 3>> squares(const std::vector<float>& sides, const std::vector<float>& depths) {
+  std::vector<std::array<float, 3>> corners;
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    for (const auto& [x, y] : {std::pair(-1.f, -1.f), std::pair(1.f, -1.f), std::pair(1.f, 1.f), std::pair(-1.f, 1.f)})
+      corners.push_back({sides[i] * x, sides[i] * y, depths[i]});
+  }
+  return corners;
+}
+
+TEST(OutlineOrder, OnlyWhatIsWhollyBehindIsLeftOut) {
+  // The second peeps out from behind the first; the third does not; the fourth lies before what is drawn.
+  OutlineOrder order(squares({.25f, .5f, .125f, .125f}, {.2f, .6f, .7f, .4f}), Eigen::Matrix4f::Identity(), 64);
+  EXPECT_EQ(order.nearest(0.0), std::vector<std::uint32_t>{0});
+  std::vector<float> depth(64 * 64, 1.f);
+  for (int y = 24; y < 40; ++y) {
+    for (int x = 24; x < 40; ++x)
+      depth[static_cast<std::size_t>(64 * y + x)] = .5f;
+  }
+  EXPECT_EQ(order.seen_of_the_rest(depth), (std::vector<std::uint32_t>{1, 3}));
+}
+
+TEST(OutlineOrder, NothingIsDrawnTwiceOrForgottenOverAnEmptyMap) {
+  std::vector<float> sides, depths;
+  for (int i = 0; i < 40; ++i) {
+    sides.push_back(.01f * static_cast<float>(i));
+    depths.push_back(static_cast<float>((i * 7) % 40) / 40.f);
+  }
+  OutlineOrder order(squares(sides, depths), Eigen::Matrix4f::Identity(), 64);
+  std::vector<std::uint32_t> drawn = order.nearest(.4);
+  const std::vector<std::uint32_t> rest = order.seen_of_the_rest(std::vector<float>(64 * 64, 1.f));
+  drawn.insert(drawn.end(), rest.begin(), rest.end());
+  std::sort(drawn.begin(), drawn.end());
+  ASSERT_EQ(drawn.size(), 40U);
+  for (std::uint32_t i = 0; i < 40; ++i)
+    EXPECT_EQ(drawn[i], i);
 }
 
 } // namespace
