@@ -45,6 +45,68 @@ std::vector<Span> spans(int from, int to) {
   return made;
 }
 
+/// Where the parts of a sheet lie [pixels].
+struct Layout {
+  int columns = 1, rows = 1;
+  int cell_width = 0, cell_height = 0, gap = 0, label_height = 0;
+  int left = 0, top = 0; ///< what the heads of rows and columns take
+  TextStyle label, head;
+
+  int width() const { return left + columns * (cell_width + gap) + gap; }
+  int height() const { return top + rows * (cell_height + label_height + gap) + gap; }
+  int x_of(int column) const { return left + gap + column * (cell_width + gap); }
+  int y_of(int row) const { return top + gap + row * (cell_height + label_height + gap); }
+};
+
+Layout lay_out(const std::vector<SheetEntry>& entries, const SheetSettings& settings) {
+  Layout layout;
+  const int count = static_cast<int>(entries.size());
+  const int asked = settings.column_heads.empty() ? settings.columns : static_cast<int>(settings.column_heads.size());
+  layout.columns =
+      asked > 0 ? std::min(asked, count) : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count))));
+  layout.rows = (count + layout.columns - 1) / layout.columns;
+  layout.cell_width = std::clamp(settings.cell_width, 64, 4096);
+  layout.cell_height = std::max(1, static_cast<int>(std::lround(static_cast<double>(layout.cell_width) *
+                                                                entries[0].image.height / entries[0].image.width)));
+  layout.label.capital_height = std::max(0.026 * layout.cell_width, 7.0);
+  layout.label.halo = 0.f;
+  layout.head = layout.label;
+  layout.head.capital_height = std::max(0.042 * layout.cell_width, 9.0);
+  layout.gap = std::max(layout.cell_width / 60, 4);
+  layout.label_height = static_cast<int>(2.4 * layout.label.capital_height);
+  if (!settings.column_heads.empty())
+    layout.top = static_cast<int>(2.2 * layout.head.capital_height);
+  for (const std::string& head : settings.row_heads)
+    layout.left = std::max(layout.left, 2 * layout.gap + static_cast<int>(text_width(head, layout.head)));
+  return layout;
+}
+
+/// Each over the middle of its column or beside the middle of its row.
+void draw_heads(Image& sheet, const Layout& layout, const SheetSettings& settings) {
+  for (std::size_t i = 0; i < settings.column_heads.size() && static_cast<int>(i) < layout.columns; ++i) {
+    const double middle = layout.x_of(static_cast<int>(i)) + 0.5 * layout.cell_width;
+    draw_text(sheet, middle - 0.5 * text_width(settings.column_heads[i], layout.head),
+              layout.gap + 1.5 * layout.head.capital_height, settings.column_heads[i], layout.head);
+  }
+  for (std::size_t i = 0; i < settings.row_heads.size() && static_cast<int>(i) < layout.rows; ++i) {
+    const double middle = layout.y_of(static_cast<int>(i)) + 0.5 * layout.cell_height;
+    draw_text(sheet, layout.left - text_width(settings.row_heads[i], layout.head),
+              middle + 0.5 * layout.head.capital_height, settings.row_heads[i], layout.head);
+  }
+}
+
+void draw_entry(Image& sheet, const Layout& layout, const SheetEntry& entry, int left, int top) {
+  const double scale = std::min({1.0, static_cast<double>(layout.cell_width) / entry.image.width,
+                                 static_cast<double>(layout.cell_height) / entry.image.height});
+  const Image small = shrunk(entry.image, std::max(1, static_cast<int>(std::lround(scale * entry.image.width))),
+                             std::max(1, static_cast<int>(std::lround(scale * entry.image.height))));
+  for (int y = 0; y < small.height; ++y)
+    std::copy_n(
+        small.at(0, y), static_cast<std::size_t>(small.width) * 4,
+        sheet.at(left + (layout.cell_width - small.width) / 2, top + (layout.cell_height - small.height) / 2 + y));
+  draw_text(sheet, left, top + layout.cell_height + 1.6 * layout.label.capital_height, entry.label, layout.label);
+}
+
 } // namespace
 
 Image shrunk(const Image& image, int width, int height) {
@@ -81,37 +143,17 @@ Result<Image> make_contact_sheet(const std::vector<SheetEntry>& entries, const S
     if (entry.image.width <= 0 || entry.image.height <= 0)
       return make_error(ErrorCode::bad_input, "contact sheet: picture \"{}\" is empty", entry.label);
   }
-  const int count = static_cast<int>(entries.size());
-  const int columns = settings.columns > 0 ? std::min(settings.columns, count)
-                                           : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count))));
-  const int rows = (count + columns - 1) / columns;
-  const int cell_width = std::clamp(settings.cell_width, 64, 4096);
-  const int cell_height = std::max(1, static_cast<int>(std::lround(static_cast<double>(cell_width) *
-                                                                   entries[0].image.height / entries[0].image.width)));
-  TextStyle style;
-  style.capital_height = std::max(0.026 * cell_width, 7.0);
-  style.halo = 0.f;
-  const int gap = std::max(cell_width / 60, 4);
-  const int label_height = static_cast<int>(2.4 * style.capital_height);
-  const int width = columns * (cell_width + gap) + gap;
-  const int height = rows * (cell_height + label_height + gap) + gap;
+  const Layout layout = lay_out(entries, settings);
+  const int width = layout.width(), height = layout.height();
   if (width > SIDE_MAX || height > SIDE_MAX)
     return make_error(ErrorCode::bad_input, "a contact sheet of {} x {} pixels; at most {} on a side: fewer or smaller",
                       width, height, SIDE_MAX);
   Image sheet(width, height);
   fill_rectangle(sheet, 0, 0, width, height, {0.11f, 0.11f, 0.115f}, 1.f);
-  for (int i = 0; i < count; ++i) {
-    const SheetEntry& entry = entries[static_cast<std::size_t>(i)];
-    const int left = gap + (i % columns) * (cell_width + gap);
-    const int top = gap + (i / columns) * (cell_height + label_height + gap);
-    const double scale = std::min({1.0, static_cast<double>(cell_width) / entry.image.width,
-                                   static_cast<double>(cell_height) / entry.image.height});
-    const Image small = shrunk(entry.image, std::max(1, static_cast<int>(std::lround(scale * entry.image.width))),
-                               std::max(1, static_cast<int>(std::lround(scale * entry.image.height))));
-    for (int y = 0; y < small.height; ++y)
-      std::copy_n(small.at(0, y), static_cast<std::size_t>(small.width) * 4,
-                  sheet.at(left + (cell_width - small.width) / 2, top + (cell_height - small.height) / 2 + y));
-    draw_text(sheet, left, top + cell_height + 1.6 * style.capital_height, entry.label, style);
+  draw_heads(sheet, layout, settings);
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const int at = static_cast<int>(i);
+    draw_entry(sheet, layout, entries[i], layout.x_of(at % layout.columns), layout.y_of(at / layout.columns));
   }
   return sheet;
 }

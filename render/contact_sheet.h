@@ -16,6 +16,8 @@ struct SheetEntry {
 struct SheetSettings {
   int columns = 0;      ///< 0: as square as the count allows
   int cell_width = 480; ///< [pixels] 64 ... 4096
+  /// Words over each column and before each row; empty: none. With heads of columns there are as many columns.
+  std::vector<std::string> column_heads = {}, row_heads = {};
 };
 
 /// One picture of many, each shrunk to its cell with its label beneath, row by row. All entries take the aspect of the

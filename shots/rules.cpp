@@ -519,6 +519,9 @@ private:
     if (!expectation.min && !expectation.max) {
       refuse(below(expectation.source, "min"), " is missing: give min, max or both; without them nothing is expected");
     }
+    if (expectation.frame) {
+      check_expected_frame(*expectation.frame);
+    }
     if (*expectation.every_frame && expectation.ratio_to) {
       refuse(expectation.every_frame.source, " = true: ratios between wedges are of one frame; remove ratio_to");
     }
@@ -526,6 +529,16 @@ private:
       refuse(expectation.max->source,
              fmt::format(" = {}: expected at least min = {}", **expectation.max, **expectation.min));
     }
+  }
+
+  /// A frame that a run never comes to would never be judged. A range that the command line cuts says so as it runs.
+  void check_expected_frame(const Located<std::int64_t>& frame) {
+    const Located<FrameRange>& frames = m_shot.shot.frames;
+    const bool cut = frames.source.origin == Origin::command_line && frame.source.origin != Origin::command_line;
+    if (cut || m_diagnostics.any_under("shot") || (*frame >= frames->first() && *frame <= frames->last()))
+      return;
+    refuse(frame.source, fmt::format(" = {}: the shot has frames {} to {}; expected one of them, or longer shot.frames",
+                                     *frame, frames->first(), frames->last()));
   }
 
   void check_settings() {

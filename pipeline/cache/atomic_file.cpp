@@ -176,15 +176,4 @@ Result<std::uint64_t> free_space(const fs::path& folder) {
   return static_cast<std::uint64_t>(facts.f_bavail) * facts.f_frsize;
 }
 
-Status require_space(const fs::path& folder, std::uint64_t needed, std::string_view what) {
-  const Result<std::uint64_t> available = free_space(folder);
-  if (!available)
-    return available.error();
-  if (*available >= needed)
-    return {};
-  return make_error(ErrorCode::cannot_write,
-                    "{}: {} need {}, but only {} are free; make space or choose another disk with --out",
-                    folder.string(), what, readable_bytes(needed), readable_bytes(*available));
-}
-
 } // namespace wry::pipeline

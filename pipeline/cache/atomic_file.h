@@ -55,8 +55,4 @@ Status prepare_folder(const std::filesystem::path& folder);
 /// Bytes that this user can still write on the disk of `folder`, which exists. Errors: io.
 Result<std::uint64_t> free_space(const std::filesystem::path& folder);
 
-/// Refuses when the disk of `folder` has less than `needed` bytes free. `what` says what they are for, for example
-/// "120 frames". Errors: cannot_write, with both numbers.
-Status require_space(const std::filesystem::path& folder, std::uint64_t needed, std::string_view what);
-
 } // namespace wry::pipeline

@@ -58,6 +58,8 @@ void add_options(CLI::App& command, const Verb& verb, Invocation& invocation) {
     command.add_option("--threads", invocation.threads, "number of threads; the answer does not depend on it")
         ->check(CLI::Range(0, 1024));
     command.add_option("--isa", invocation.isa, "auto, sse4, avx2 or avx512: pin it so that a mixed farm agrees");
+    command.add_flag("--ignore-limits", invocation.ignore_limits,
+                     "run what is predicted to need more memory or disk than there is");
   }
   if (takes(TAKES_GL))
     command.add_option("--gl", invocation.gl, "auto, osmesa or egl");

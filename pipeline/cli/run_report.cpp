@@ -42,6 +42,10 @@ void add_summary(const ShotSession& session, const ScenePlan& plan, HtmlPage& pa
       if (summary.is_object() && summary.contains(key))
         rows.emplace_back(key, value_text(summary[key]));
     }
+    if (summary.is_object() && summary.contains("expectations") && summary["expectations"].is_object()) {
+      for (const auto& [name, verdict] : summary["expectations"].items())
+        rows.emplace_back("expected: " + name, value_text(verdict));
+    }
     if (summary.is_object() && summary.contains("wall_seconds") && summary["wall_seconds"].is_number())
       rows.emplace_back("time of the last run", human_duration(summary["wall_seconds"].get<double>()));
     if (summary.is_object() && summary.contains("this_run") && summary["this_run"].is_object()) {

@@ -17,7 +17,4 @@ Status draw_session(const ShotSession& session, const Invocation& invocation);
 /// Encodes each view's pictures as a film; only a note where ffmpeg is missing.
 Status encode_session(const ShotSession& session);
 
-/// Holds the measures against [expect]. Errors: check_failed, naming every expectation that does not hold.
-Status check_expectations(const ShotSession& session, const MeasureTable& table);
-
 } // namespace wry::pipeline

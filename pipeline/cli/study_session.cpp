@@ -32,6 +32,7 @@ StudyRequest study_request(const ShotSession& session, const Invocation& invocat
   request.gl = invocation.gl;
   request.threads = invocation.threads > 0 ? invocation.threads : std::max(1, cores() / jobs_asked(invocation));
   request.frames_per_job = invocation.chunk;
+  request.shortage = invocation.ignore_limits ? Shortage::go_on : Shortage::refuse;
   return request;
 }
 

@@ -37,6 +37,7 @@ struct Invocation {
   bool quiet = false;
   bool json = false;
   bool dry_run = false;
+  bool ignore_limits = false; ///< runs what is predicted to need more memory or disk than there is
   bool markdown = false;
   bool list = false;                           ///< only say which jobs a study has
   bool only_failed = false;                    ///< only what failed before

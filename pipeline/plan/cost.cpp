@@ -65,6 +65,24 @@ std::uint64_t frame_bytes_of_solid(const fem::FemPlan& plan, const fem::FemBody&
   return FRAME_BYTES_PER_BODY + vertices_in_frame(body) * per_node + report.tets * per_tet;
 }
 
+/// Bytes of a frame, in all frames.
+std::uint64_t in_frames(double frames, std::uint64_t bytes_per_frame) {
+  return static_cast<std::uint64_t>(frames * static_cast<double>(bytes_per_frame));
+}
+
+/// How a solid is told to have fewer elements.
+std::string coarser(const shots::Shot& shot, const std::string& name) {
+  for (const shots::Body& body : shot.bodies) {
+    if (*body.name != name)
+      continue;
+    if (body.cells)
+      return fmt::format("fewer body.{}.cells ({}) need less", name, body.cells->source.text());
+    if (body.resolution)
+      return fmt::format("a longer body.{}.resolution ({}) needs less", name, body.resolution->source.text());
+  }
+  return fmt::format("a coarser body.{}.mesh needs less", name);
+}
+
 /// How fast the fastest matter is on average, roughly: of what falls through its own height and comes to rest, or of
 /// what goes on sliding for all of the shot.
 double speed_of_fall(const SimPlan& plan, const BodyReport& report) {
@@ -74,9 +92,9 @@ double speed_of_fall(const SimPlan& plan, const BodyReport& report) {
   return std::max(0.6 * std::sqrt(2.0 * gravity * height), 0.15 * gravity * plan.time_of(plan.last_frame));
 }
 
-/// What a body of particles adds; returns the seconds of one step of it.
+/// What a body of particles adds in `steps` steps of dt; returns the seconds of one of them.
 double add_body_of_particles(const SimPlan& plan, const mpm::MpmBody& body, const BodyReport& report, double dt,
-                             CostEstimate& cost) {
+                             double steps, CostEstimate& cost) {
   const mpm::MpmPlan& mpm = plan.mpm;
   const bool double_precision = mpm.settings.precision == mpm::Precision::f64;
   const Result<mpm::CompiledMaterial> material = mpm::compile_material(body.material);
@@ -86,9 +104,16 @@ double add_body_of_particles(const SimPlan& plan, const mpm::MpmBody& body, cons
   };
   const bool own_axes = carries(mpm::Channel::frame);
   const bool near_meshes = meets_meshes(mpm);
-  cost.memory_bytes += report.particles * (2 * report.bytes_per_particle + MPM_BYTES_PER_PARTICLE_BESIDES);
-  cost.bytes_per_frame += FRAME_BYTES_PER_BODY + report.particles * (24 + 12 + 4 + (own_axes ? 16 : 0) +
-                                                                     (body.material.reorientation ? 24 : 0));
+  const double frames = plan.last_frame - plan.first_frame + 1;
+  CostShare particles{fmt::format("the {} particles of body {}", report.particles, report.name),
+                      fmt::format("a larger mpm.cell_size or fewer body.{}.particles_per_cell need less", report.name)};
+  const std::uint64_t frame_bytes = FRAME_BYTES_PER_BODY + report.particles * (24 + 12 + 4 + (own_axes ? 16 : 0) +
+                                                                               (body.material.reorientation ? 24 : 0));
+  particles.memory_bytes = report.particles * (2 * report.bytes_per_particle + MPM_BYTES_PER_PARTICLE_BESIDES);
+  particles.disk_bytes = in_frames(frames, frame_bytes);
+  cost.memory_bytes += particles.memory_bytes;
+  cost.bytes_per_frame += frame_bytes;
+  cost.shares.push_back(std::move(particles));
   cost.bytes_per_checkpoint += report.particles * report.bytes_per_particle * (double_precision ? 1 : 2);
   double per_particle = MPM_SECONDS_PER_PARTICLE_STEP * (double_precision ? DOUBLE_PRECISION : 1.0) *
                         (own_axes ? OWN_AXES : 1.0) * (body.material.reorientation ? REORIENTING : 1.0) *
@@ -101,9 +126,18 @@ double add_body_of_particles(const SimPlan& plan, const mpm::MpmBody& body, cons
     const double per_grain = (near_meshes ? SECONDS_PER_GRAIN_NEAR_MESHES : SECONDS_PER_GRAIN) *
                              (body.sub_particles->jeffery ? TURNED_BY_FLOW : 1.0);
     per_particle += static_cast<double>(per_body) * updates * per_grain;
-    cost.memory_bytes += report.particles * per_body * 200;
-    cost.bytes_per_frame += FRAME_BYTES_PER_BODY + report.particles * per_body * mpm::BYTES_PER_GRAIN_AND_FRAME;
-    cost.bytes_per_checkpoint += report.particles * per_body * 150;
+    const std::uint64_t count = report.particles * per_body;
+    CostShare grains{fmt::format("the {} grains of body {}", count, report.name),
+                     fmt::format("fewer body.{}.sub_particles.per_particle need less", report.name)};
+    grains.memory_bytes = count * 200;
+    grains.disk_bytes = in_frames(frames, FRAME_BYTES_PER_BODY + count * mpm::BYTES_PER_GRAIN_AND_FRAME);
+    cost.memory_bytes += grains.memory_bytes;
+    cost.bytes_per_frame += FRAME_BYTES_PER_BODY + count * mpm::BYTES_PER_GRAIN_AND_FRAME;
+    cost.bytes_per_checkpoint += count * 150;
+    cost.shares.push_back(std::move(grains));
+    if (mpm.settings.keep_fields)
+      cost.field_bytes = std::max(cost.field_bytes,
+                                  static_cast<std::uint64_t>(std::max(updates * steps, frames) * bytes_of_fields(mpm)));
   }
   return static_cast<double>(report.particles) * per_particle;
 }
@@ -130,14 +164,14 @@ void add_cost_of_particles(const ScenePlan& plan, CostEstimate& cost) {
   const double steps = std::ceil(plan.sim.time_of(plan.sim.last_frame) / dt);
   double seconds = cost.steps * cost.seconds_per_step;
   for (std::size_t i = 0; i < mpm.bodies.size(); ++i)
-    seconds +=
-        steps * add_body_of_particles(plan.sim, mpm.bodies[i], plan.bodies[plan.sim.fem.bodies.size() + i], dt, cost);
+    seconds += steps * add_body_of_particles(plan.sim, mpm.bodies[i], plan.bodies[plan.sim.fem.bodies.size() + i], dt,
+                                             steps, cost);
   cost.steps = std::max(cost.steps, steps);
   cost.time_step = cost.time_step > 0.0 ? std::min(cost.time_step, dt) : dt;
   cost.seconds_per_step = cost.steps > 0.0 ? seconds / cost.steps : 0.0;
 }
 
-void add_cost_of_solids(const ScenePlan& plan, CostEstimate& cost) {
+void add_cost_of_solids(const shots::Shot& shot, const ScenePlan& plan, CostEstimate& cost) {
   const fem::FemPlan& fem = plan.sim.fem;
   if (fem.bodies.empty())
     return;
@@ -145,8 +179,13 @@ void add_cost_of_solids(const ScenePlan& plan, CostEstimate& cost) {
   for (std::size_t i = 0; i < fem.bodies.size(); ++i) {
     const BodyReport& body = plan.bodies[i];
     const bool micropolar = has_rotations(fem.bodies[i]);
-    cost.memory_bytes += body.tets * (micropolar ? MICROPOLAR_BYTES_PER_TET : CLASSIC_BYTES_PER_TET);
-    cost.bytes_per_frame += frame_bytes_of_solid(fem, fem.bodies[i], body);
+    CostShare elements{fmt::format("the {} elements of body {}", body.tets, body.name), coarser(shot, body.name)};
+    const std::uint64_t frame_bytes = frame_bytes_of_solid(fem, fem.bodies[i], body);
+    elements.memory_bytes = body.tets * (micropolar ? MICROPOLAR_BYTES_PER_TET : CLASSIC_BYTES_PER_TET);
+    elements.disk_bytes = in_frames(plan.sim.last_frame - plan.sim.first_frame + 1, frame_bytes);
+    cost.memory_bytes += elements.memory_bytes;
+    cost.bytes_per_frame += frame_bytes;
+    cost.shares.push_back(std::move(elements));
     cost.bytes_per_checkpoint +=
         vertices_in_frame(fem.bodies[i]) * (micropolar ? 128 : 48) + (micropolar ? body.tets * 128 : 0);
     const bool curved = fem.bodies[i].material.curvature != fem::CurvatureModel::none;
@@ -177,12 +216,17 @@ double bytes_of_fields(const mpm::MpmPlan& plan) {
 
 CostEstimate estimate_cost(const shots::Shot& shot, const ScenePlan& plan) {
   CostEstimate cost;
-  add_cost_of_solids(plan, cost);
+  add_cost_of_solids(shot, plan, cost);
   add_cost_of_particles(plan, cost);
   cost.memory_bytes += PROGRAM_BYTES + FRAMES_IN_MEMORY * cost.bytes_per_frame;
   const double frames = plan.sim.last_frame - plan.sim.first_frame + 1;
   const double every = static_cast<double>(*shot.fem.checkpoint_every);
   cost.checkpoints_kept = static_cast<double>(*shot.fem.keep) + (every > 0.0 ? std::floor(frames / every) : 0.0);
+  cost.shares.push_back({fmt::format("{:.0f} checkpoints", cost.checkpoints_kept),
+                         "a smaller fem.keep and a larger fem.checkpoint_every (0: none) need less", 0,
+                         in_frames(cost.checkpoints_kept, cost.bytes_per_checkpoint)});
+  if (cost.field_bytes > 0)
+    cost.shares.push_back({"the fields that carry grains", "mpm.keep_fields = false needs none", 0, cost.field_bytes});
   if (cost.steps > 0.0)
     cost.seconds_per_step += SECONDS_PER_BYTE_WRITTEN * frames *
                              static_cast<double>(cost.bytes_per_frame + cost.bytes_per_checkpoint) / cost.steps;
@@ -199,9 +243,16 @@ Status describe_solver(ScenePlan& plan, Isa isa, int threads) {
   plan.runs.push_back({"linear solver", choice.reason});
   if (plan.cost.steps > 0.0)
     plan.cost.seconds_per_step += plan.cost.newton_directions * choice.seconds_per_direction / plan.cost.steps;
-  const std::uint64_t with_solver = PROGRAM_BYTES + (*simulation)->memory_bytes();
-  plan.cost.memory_bytes = std::max<std::uint64_t>(plan.cost.memory_bytes, with_solver);
+  add_cost_of_solver(plan.cost, (*simulation)->memory_bytes());
   return {};
+}
+
+void add_cost_of_solver(CostEstimate& cost, std::uint64_t built) {
+  if (PROGRAM_BYTES + built <= cost.memory_bytes)
+    return;
+  cost.memory_bytes = PROGRAM_BYTES + built;
+  cost.shares.push_back({"matrices, factors and elements",
+                         cost.shares.front().cure + ", and fem.linear_solver = \"pcg\" has no factors", built, 0});
 }
 
 } // namespace wry::pipeline

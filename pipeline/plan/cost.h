@@ -8,6 +8,10 @@ namespace wry::pipeline {
 /// cost is added by describe_solver.
 CostEstimate estimate_cost(const shots::Shot& shot, const ScenePlan& plan);
 
+/// The share of memory and disk that the linear solver adds once it is built: `built` is what the simulation then has.
+/// The estimate of memory becomes at least that.
+void add_cost_of_solver(CostEstimate& cost, std::uint64_t built);
+
 /// What a grid takes on the disk each time that mpm.keep_fields keeps it.
 double bytes_of_fields(const mpm::MpmPlan& plan);
 

@@ -37,21 +37,31 @@ struct PlanLine {
   std::string why;
 };
 
+/// What a part of a shot takes, and how the shot is told to take less.
+struct CostShare {
+  std::string what; ///< in the plural: "the 48510 particles of body load"
+  std::string cure; ///< "a larger mpm.cell_size needs less"
+  std::uint64_t memory_bytes = 0, disk_bytes = 0;
+};
+
 /// What a shot costs, predicted.
 struct CostEstimate {
   std::uint64_t memory_bytes = 0;    ///< the process that simulates, at its largest
   std::uint64_t bytes_per_frame = 0; ///< of the frame cache
   std::uint64_t bytes_per_checkpoint = 0;
   double checkpoints_kept = 0.0;
+  std::uint64_t field_bytes = 0; ///< of all frames: what mpm.keep_fields keeps
+  std::vector<CostShare> shares; ///< what takes most of memory and disk; not all of it
   double seconds_per_step = 0.0;
   double newton_directions = 0.0; ///< linear systems of the whole shot
   double steps = 0.0;             ///< of the whole shot
   double time_step = 0.0;         ///< the shorter of both methods' [s]
 
-  /// Frames, and the checkpoints that are there at the end.
+  /// Frames, fields, and the checkpoints that are there at the end.
   std::uint64_t disk_bytes(double frame_count) const {
     return static_cast<std::uint64_t>(frame_count * static_cast<double>(bytes_per_frame) +
-                                      checkpoints_kept * static_cast<double>(bytes_per_checkpoint));
+                                      checkpoints_kept * static_cast<double>(bytes_per_checkpoint)) +
+           field_bytes;
   }
 };
 

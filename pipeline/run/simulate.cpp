@@ -9,6 +9,7 @@
 #include "pipeline/cache/field_store.h"
 #include "pipeline/cache/frame_cache.h"
 #include "pipeline/cache/verified_folder.h"
+#include "pipeline/plan/cost.h"
 #include "pipeline/plan/plan_report.h"
 #include "pipeline/report/csv.h"
 #include "pipeline/run/collider_frames.h"
@@ -55,6 +56,7 @@ private:
   Status start();
   Status restore(int last_complete);
   Status make_simulations();
+  Status require_room(const CostEstimate& cost) const;
   double time() const;
   Status advance_to_frame(int frame, Progress& progress);
   template <class Simulation> Status advance(Simulation& simulation, int frame, Progress& progress);
@@ -133,7 +135,16 @@ Status SimulationRun::restore(int last_complete) {
   return {};
 }
 
+Status SimulationRun::require_room(const CostEstimate& cost) const {
+  if (m_options.shortage == Shortage::go_on)
+    return {};
+  const Result<Machine> machine = read_machine(m_options.out, m_options.system);
+  return machine ? require_resources(m_plan.name, cost, last() - first() + 1, *machine) : Status(machine.error());
+}
+
 Status SimulationRun::make_simulations() {
+  if (Status status = require_room(m_plan.cost); !status)
+    return status;
   if (!m_plan.sim.fem.bodies.empty()) {
     Result<std::unique_ptr<fem::FemSimulation>> made =
         fem::FemSimulation::create(m_plan.sim.fem, m_options.threads, m_options.isa);
@@ -141,6 +152,11 @@ Status SimulationRun::make_simulations() {
       return made.error();
     m_solids = std::move(*made);
     m_outcome.solver = m_solids->solver_choice().reason;
+    // What its factors take is known only now.
+    CostEstimate with_solver = m_plan.cost;
+    add_cost_of_solver(with_solver, m_solids->memory_bytes());
+    if (Status status = require_room(with_solver); !status)
+      return status;
   }
   if (!m_plan.sim.mpm.bodies.empty()) {
     Result<std::unique_ptr<mpm::MpmSimulation>> made =

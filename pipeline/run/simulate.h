@@ -4,6 +4,8 @@
 #include <string>
 
 #include "pipeline/plan/scene_plan.h"
+#include "pipeline/run/machine.h"
+#include "pipeline/run/resources.h"
 #include "pipeline/run/step_columns.h"
 #include "sim/base/isa.h"
 #include "sim/base/parallel.h"
@@ -17,6 +19,8 @@ struct SimulateOptions {
   Isa isa = Isa::sse4;
   enum class Start { resume, fresh } start = Start::resume;
   enum class Talk { normal, quiet } talk = Talk::normal;
+  Shortage shortage = Shortage::refuse;
+  SystemFiles system; ///< where the machine says what is left of memory and disk
 };
 
 /// What a simulation did.
@@ -31,8 +35,9 @@ struct SimulateOutcome {
 };
 
 /// Advances a shot to its last frame, writing frames and checkpoints into its folder; goes on where an earlier run of
-/// the same inputs stopped. The caller holds the folder's lock. Errors: stopped (a checkpoint was written), solver,
-/// cannot_write, io, out_of_memory; the last good frame is then kept.
+/// the same inputs stopped. The caller holds the folder's lock. What is predicted to need more memory or disk than
+/// there is does not start (see require_resources). Errors: stopped (a checkpoint was written), solver, cannot_write,
+/// io, out_of_memory; the last good frame is then kept.
 Result<SimulateOutcome> simulate(const shots::Shot& shot, const ScenePlan& plan, const SimulateOptions& options);
 
 /// measure.csv from the cached frames, all of them: a row per frame, a column per measure. Returns the values by row.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/run/engines/engine.h"
+#include "pipeline/run/resources.h"
 #include "pipeline/study/variant.h"
 #include "shots/shot.h"
 #include "sim/base/isa.h"
@@ -32,7 +33,8 @@ struct StudyRequest {
   std::string gl = "auto";
   int threads = 1; ///< of each process
   StudyStages stages = StudyStages::pictures;
-  int frames_per_job = 0;            ///< of a rendering job; 0: all
+  int frames_per_job = 0; ///< of a rendering job; 0: all
+  Shortage shortage = Shortage::refuse;
   double time_limit_seconds = 0.0;   ///< of each simulation; 0: none
   bool failures_are_results = false; ///< as of a stress test: what failed is not run again unless it is asked for
   /// Command line of a last job that collects the table, for farms; empty: none.

@@ -51,6 +51,8 @@ public:
                           std::to_string(m_request.threads), "--shared", (m_request.folder / "shared").string()});
     if (!frames.empty())
       job.arguments.insert(job.arguments.end(), {"--frames", frames});
+    if (m_request.shortage == Shortage::go_on)
+      job.arguments.push_back("--ignore-limits");
     if (verb != "simulate")
       job.arguments.insert(job.arguments.end(), {"--gl", m_request.gl});
     job.record = m_row.folder / "jobs" / (stage + ".json");

@@ -18,31 +18,10 @@ using nlohmann::json;
 
 constexpr std::size_t MOST_CURVE_POINTS = 400;
 
-/// The last part of a key, or the whole key where two end alike.
-std::string label_of(const std::string& key, const std::vector<std::string>& keys) {
-  const auto last = [](const std::string& k) { return k.substr(k.rfind('.') + 1); };
-  const auto alike =
-      std::count_if(keys.begin(), keys.end(), [&](const std::string& other) { return last(other) == last(key); });
-  return alike > 1 ? key : last(key);
-}
-
 json parameters_json(const std::vector<StudyRow>& rows) {
   json list = json::array();
-  const std::vector<std::string> keys = parameter_keys(rows);
-  for (const std::string& key : keys) {
-    std::vector<std::string> values;
-    for (const StudyRow& row : rows) {
-      const std::string value = parameter_value(row.variant, key);
-      if (std::find(values.begin(), values.end(), value) == values.end())
-        values.push_back(value);
-    }
-    const bool numeric =
-        std::all_of(values.begin(), values.end(), [](const std::string& v) { return std::isfinite(number_of(v)); });
-    if (numeric)
-      std::sort(values.begin(), values.end(),
-                [](const std::string& a, const std::string& b) { return number_of(a) < number_of(b); });
-    list.push_back({{"key", key}, {"label", label_of(key, keys)}, {"numeric", numeric}, {"values", values}});
-  }
+  for (const ParameterAxis& axis : parameter_axes(rows))
+    list.push_back({{"key", axis.key}, {"label", axis.label}, {"numeric", axis.numeric}, {"values", axis.values}});
   return list;
 }
 

@@ -236,8 +236,17 @@ function timeX() {
   if (!timeScale) return 0;
   return timeScale(frames[state.frame]);
 }
+// Labels keep off each other: each at the height of its line's end or pushed from there, in order.
+function spread(labels, least, top, bottom) {
+  labels.sort((a, b) => a.at - b.at);
+  labels.forEach((l, i) => { l.y = Math.max(l.at, i ? labels[i - 1].y + least : top); });
+  for (let i = labels.length - 1, limit = bottom; i >= 0 && labels[i].y > limit; limit = labels[i].y - least, --i) labels[i].y = limit;
+  return labels;
+}
+const clipped = (text, most) => text.length > most ? text.slice(0, most - 1) + '\u2026' : text;
 function plot(title, xlabel, series, names) {
-  const W = 460, H = 260, L = 52, R = 10, T = 24, B = 34, root = svg('svg', { viewBox: '0 0 ' + W + ' ' + H, role: 'img' });
+  const longest = Math.min(22, Math.max(0, ...series.map(s => (s.label || '').length)));
+  const W = 400, H = 250, L = 52, R = longest ? 18 + 6.3 * longest : 10, T = 24, B = 34, root = svg('svg', { viewBox: '0 0 ' + W + ' ' + H, role: 'img' });
   const pts = series.flatMap(s => s.points).filter(p => Number.isFinite(p[0]) && Number.isFinite(p[1]));
   root.append(svg('text', { x: L, y: 14 }, title));
   if (!pts.length) { root.append(svg('text', { x: W / 2, y: H / 2 }, 'nothing to show')); return [root, null]; }
@@ -246,14 +255,23 @@ function plot(title, xlabel, series, names) {
   if (y0 === y1) { const d = Math.abs(y0) / 2 || 0.5; y0 -= d; y1 += d; }
   const X = v => L + (W - L - R) * (v - x0) / (x1 - x0), Y = v => H - B - (H - T - B) * (v - y0) / (y1 - y0);
   for (const t of ticks(y0, y1)) root.append(svg('line', { class: 'gridline', x1: L, x2: W - R, y1: Y(t), y2: Y(t) }), svg('text', { x: L - 6, y: Y(t) + 4, 'text-anchor': 'end' }, short(t)));
-  if (names) names.forEach((n, i) => root.append(svg('text', { x: X(i), y: H - 18, 'text-anchor': names.length < 2 ? 'middle' : i === 0 ? 'start' : i === names.length - 1 ? 'end' : 'middle' }, n)));
+  if (names) { // only as many as there is room for
+    const room = (W - L - R) / Math.max(1, names.length - 1), most = Math.max(...names.map(n => n.length)), every = Math.ceil((Math.min(most, 14) * 6.3 + 8) / room);
+    names.forEach((n, i) => { if (i % every === 0) root.append(svg('text', { x: X(i), y: H - 18, 'text-anchor': names.length < 2 ? 'middle' : i === 0 ? 'start' : 'middle' }, clipped(n, 14))); });
+  }
   else for (const t of ticks(x0, x1)) root.append(svg('line', { class: 'gridline', x1: X(t), x2: X(t), y1: T, y2: H - B }), svg('text', { x: X(t), y: H - 18, 'text-anchor': 'middle' }, short(t)));
   root.append(svg('text', { x: W - R, y: H - 4, 'text-anchor': 'end' }, xlabel));
+  const labels = [];
   for (const s of series) {
     const on = s.points.filter(p => Number.isFinite(p[0]) && Number.isFinite(p[1]));
     root.append(svg('polyline', { points: on.map(p => X(p[0]) + ',' + Y(p[1])).join(' '), fill: 'none', stroke: s.colour, 'stroke-width': s.strong ? 2.6 : 1.2, opacity: s.strong ? 1 : 0.55 }));
-    if (s.label && on.length) root.append(svg('text', { x: X(on[on.length - 1][0]) - 8, y: Y(on[on.length - 1][1]) - 7, 'text-anchor': 'end' }, s.label));
+    if (s.label && on.length) labels.push({ series: s, x: X(on[on.length - 1][0]), at: Y(on[on.length - 1][1]) });
     if (s.dots) on.forEach(p => { const c = svg('circle', { cx: X(p[0]), cy: Y(p[1]), r: p[2] === state.chosen ? 6 : 4, fill: s.colour }); c.append(svg('title', {}, p[2].name)); c.style.cursor = 'pointer'; c.onclick = () => choose(p[2]); root.append(c); });
+  }
+  for (const l of spread(labels, 12, T, H - B)) {
+    const name = svg('text', { class: 'label', x: W - R + 14, y: l.y + 4, style: 'fill:' + l.series.colour, 'font-weight': l.series.strong ? 700 : 400 }, clipped(l.series.label, 22));
+    name.append(svg('title', {}, l.series.label));
+    root.append(svg('line', { x1: l.x + 5, y1: l.at, x2: W - R + 11, y2: l.y, stroke: l.series.colour, 'stroke-width': 0.8, opacity: 0.6 }), name);
   }
   return [root, X];
 }
@@ -264,12 +282,12 @@ function drawPlots() {
     const groups = new Map(); // wedges that differ in this parameter alone lie on one line
     for (const w of S.wedges) {
       if (w.measures[m] === undefined) continue;
-      const rest = varying.filter(q => q !== p).map(q => q.label + ' ' + (w.parameters[q.key] ?? '-')).join(', ');
+      const rest = varying.filter(q => q !== p).map(q => (q.key === 'case' ? '' : q.label + ' ') + (w.parameters[q.key] ?? '-')).join(', ');
       if (!groups.has(rest)) groups.set(rest, []);
       const v = w.parameters[p.key] ?? '';
       groups.get(rest).push([p.numeric ? +v : p.values.indexOf(v), w.measures[m], w]);
     }
-    const series = [...groups.entries()].map(([rest, points], i) => ({ points: points.sort((a, b) => a[0] - b[0]), colour: COLOURS[i % COLOURS.length], dots: true, strong: points.some(q => q[2] === state.chosen), label: groups.size > 1 && groups.size < 12 ? rest : '' }));
+    const series = [...groups.entries()].map(([rest, points], i) => ({ points: points.sort((a, b) => a[0] - b[0]), colour: COLOURS[i % COLOURS.length], dots: true, strong: points.some(q => q[2] === state.chosen), label: groups.size > 1 && groups.size <= 16 ? rest : '' }));
     $('overparam').replaceChildren(plot(m + ' at the end', p.label, series, p.numeric ? null : p.values)[0]);
   }
   const curves = S.wedges.filter(w => w.curves[m]).map((w, i) => ({ points: w.curves.frame.map((f, k) => [f, w.curves[m][k] ?? NaN]), colour: w === state.chosen ? 'var(--accent)' : '#87919c', strong: w === state.chosen }));

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
 #include <set>
 
 #include "pipeline/cache/atomic_file.h"
@@ -9,6 +11,7 @@
 #include "pipeline/run/render_frames.h"
 #include "pipeline/run/signals.h"
 #include "pipeline/run/video.h"
+#include "pipeline/study/study_table.h"
 #include "render/contact_sheet.h"
 #include "render/png.h"
 #include "render/text/draw_text.h"
@@ -57,11 +60,13 @@ class PictureMaker {
 public:
   PictureMaker(const fs::path& folder, const std::vector<StudyRow>& rows)
       : m_folder(folder)
-      , m_rows(rows) {}
+      , m_rows(rows)
+      , m_grid(study_grid(rows)) {}
 
   Result<StudyPictures> make() {
     if (!find_first())
       return m_made;
+    m_inputs = m_grid ? "by parameters\n" : "";
     if (Status status = make_sheet(); !status)
       return status.error();
     for (const StudyRow& row : m_rows) {
@@ -106,14 +111,32 @@ private:
     return placeholder(width, height, fmt::format("{}: {}", outcome_name(row.outcome), row.reason));
   }
 
-  Status make_sheet() {
-    std::vector<render::SheetEntry> entries;
+  /// All variants on one of their frames: by parameters where they are a grid, else as square as their count allows.
+  template <class FrameOf> Result<render::Image> make_sheet_of(int width, const FrameOf& frame_of) const {
     render::SheetSettings settings;
-    settings.cell_width = std::clamp(4096 / static_cast<int>(std::ceil(std::sqrt(m_rows.size()))), 64, 480);
-    for (const StudyRow& row : m_rows)
-      entries.push_back({picture_or_reason(row, row.frames.empty() ? 0 : row.frames.back(), settings.cell_width),
-                         fmt::format("{} {}", row.variant.id().substr(0, 3), row.variant.name)});
-    const Result<render::Image> sheet = render::make_contact_sheet(entries, settings);
+    const auto square = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(m_rows.size()))));
+    std::vector<std::size_t> order(m_rows.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    if (m_grid) {
+      order = m_grid->order;
+      settings.column_heads = m_grid->column_heads;
+      settings.row_heads = m_grid->row_heads;
+    }
+    const std::size_t columns = m_grid ? settings.column_heads.size() : square;
+    settings.cell_width = std::clamp(width / static_cast<int>(columns), 64, 480);
+    std::vector<render::SheetEntry> entries;
+    for (const std::size_t i : order) {
+      const StudyRow& row = m_rows[i];
+      const std::string number = row.variant.id().substr(0, 3);
+      entries.push_back({picture_or_reason(row, frame_of(row), settings.cell_width),
+                         m_grid ? number : fmt::format("{} {}", number, row.variant.name)});
+    }
+    return render::make_contact_sheet(entries, settings);
+  }
+
+  Status make_sheet() {
+    const Result<render::Image> sheet =
+        make_sheet_of(4096, [](const StudyRow& row) { return row.frames.empty() ? 0 : row.frames.back(); });
     if (!sheet)
       return sheet.error();
     m_made.sheet = fmt::format("sheet.{}.png", m_made.view);
@@ -192,17 +215,11 @@ private:
     const fs::path folder = m_folder / "mosaic.aside";
     if (Status status = prepare_folder(folder); !status)
       return status;
-    render::SheetSettings settings;
-    settings.cell_width = std::clamp(1920 / static_cast<int>(std::ceil(std::sqrt(m_rows.size()))), 64, 480);
     std::vector<fs::path> pictures;
     for (const int frame : frames) {
       if (stop_requested())
         return stopped_by_signal("while the mosaic was made");
-      std::vector<render::SheetEntry> entries;
-      for (const StudyRow& row : m_rows)
-        entries.push_back({picture_or_reason(row, frame, settings.cell_width),
-                           fmt::format("{} {}", row.variant.id().substr(0, 3), row.variant.name)});
-      const Result<render::Image> sheet = render::make_contact_sheet(entries, settings);
+      const Result<render::Image> sheet = make_sheet_of(1920, [frame](const StudyRow&) { return frame; });
       if (!sheet)
         return sheet.error();
       pictures.push_back(folder / fmt::format("{:06}.png", frame));
@@ -227,6 +244,7 @@ private:
 
   const fs::path& m_folder;
   const std::vector<StudyRow>& m_rows;
+  std::optional<StudyGrid> m_grid;
   StudyPictures m_made;
   int m_width = 0, m_height = 0;
   std::string m_inputs; ///< of all that the film shows

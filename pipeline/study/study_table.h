@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,23 @@ namespace wry::pipeline {
 std::vector<std::string> parameter_keys(const std::vector<StudyRow>& rows);
 /// What a variant gives a key, as a person writes it; empty: nothing.
 std::string parameter_value(const Variant& variant, const std::string& key);
+
+/// A key of a study and the values that it takes.
+struct ParameterAxis {
+  std::string key;
+  std::string label; ///< the last part of the key, or the whole key where two end alike
+  bool numeric = false;
+  std::vector<std::string> values; ///< numbers ascending, words in the order of their first appearance
+};
+std::vector<ParameterAxis> parameter_axes(const std::vector<StudyRow>& rows);
+
+/// A study as a table of pictures: one parameter across, all others down.
+struct StudyGrid {
+  std::vector<std::size_t> order; ///< of the rows, from left to right and from top to bottom
+  std::vector<std::string> column_heads, row_heads;
+};
+/// Nothing where the variants are not each combination of two or more parameters once.
+std::optional<StudyGrid> study_grid(const std::vector<StudyRow>& rows);
 
 /// Columns of measures that any variant has, without frame and time.
 std::vector<std::string> measure_names(const std::vector<StudyRow>& rows);

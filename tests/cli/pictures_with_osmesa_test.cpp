@@ -47,6 +47,20 @@ TEST_F(Pictures, AreFollowedByExpectationsOfOneFrameOrOfEvery) {
   EXPECT_EQ(exit_with("min = 0.1001\nevery_frame = true\nframe = 9\n").exit_code, 0);
 }
 
+TEST_F(Pictures, OfFewerFramesAreNotHeldAgainstWhatIsExpectedOfOthers) {
+  write_text(m_folder.path() / "bar.toml", small_shot() +
+                                               "[expect.low]\nmeasure = \"height\"\nmax = 0\n"
+                                               "[expect.sinks]\nmeasure = \"height\"\nmax = 0\nframe = 5\n"
+                                               "[expect.starts]\nmeasure = \"height\"\nmin = 0.09\nframe = 1\n");
+  const Outcome few = run_wry({"run", "bar.toml", "--out", "few", "--frames", "1-2"}, m_folder.path());
+  EXPECT_EQ(few.exit_code, 0) << few.err;
+  EXPECT_NE(few.out.find("1 expectations hold"), std::string::npos) << few.out;
+  EXPECT_NE(few.out.find("not judged: low (frame 9 was not asked for)"), std::string::npos) << few.out;
+  EXPECT_NE(few.out.find("not judged: sinks (frame 5 was not asked for)"), std::string::npos) << few.out;
+  const std::string summary = read_text(m_folder.path() / "few/summary.json");
+  EXPECT_NE(summary.find("\"sinks\": \"not judged: frame 5"), std::string::npos) << summary;
+}
+
 TEST_F(Pictures, OfAFrameThatIsNotThereCannotBeDrawn) {
   ASSERT_EQ(run_wry({"simulate", "bar.toml", "--out", "a", "--frames", "1-2"}, m_folder.path()).exit_code, 0);
   const Outcome drawn =

@@ -27,9 +27,10 @@ protected:
     return run_wry(words, m_folder.path());
   }
   /// The program under a limit that a shell sets; exit code, and its words in m_folder/words.
-  int under(const std::string& limit, const std::string& out) const {
+  int under(const std::string& limit, const std::string& out, const std::string& more = {}) const {
     const std::string command = "cd " + m_folder.path().string() + " && " + limit + " " + WRY_PROGRAM +
-                                " simulate bar.toml --isa sse4 --threads 1 --frames 1-4 --out " + out + " > words 2>&1";
+                                " simulate bar.toml --isa sse4 --threads 1 --frames 1-4 --out " + out + " " + more +
+                                " > words 2>&1";
     const int status = std::system(("sh -c '" + command + "'").c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   }
@@ -42,7 +43,8 @@ TEST_F(Promise, OutOfMemoryHasItsOwnMessageAndNothingIsHalfWritten) {
   int ran_out = 0;
   // Up to about 330 MiB go to libraries that start before main() and do not all end well; that is not tested here.
   for (const int mebibytes : {345, 360, 380, 400, 430}) {
-    const int code = under("timeout -s KILL 60 prlimit --as=" + std::to_string(mebibytes * 1048576L), "limited");
+    const int code =
+        under("timeout -s KILL 60 prlimit --as=" + std::to_string(mebibytes * 1048576L), "limited", "--ignore-limits");
     if (code == 127 || code == 126)
       continue; // not even the loader fits
     EXPECT_TRUE(code == 0 || code == 71) << mebibytes << " MiB: " << code << ": " << words();
@@ -57,19 +59,37 @@ TEST_F(Promise, OutOfMemoryHasItsOwnMessageAndNothingIsHalfWritten) {
   RecordProperty("limits_that_were_too_small", ran_out);
 }
 
+TEST_F(Promise, WhatNeedsMoreThanThereIsIsRefusedUnlessToldToGoOn) {
+  // Planning it takes a tenth of what simulating it would.
+  EXPECT_EQ(under("prlimit --as=" + std::to_string(700 * 1048576L), "a", "--set body.bar.resolution=0.006"), 71)
+      << words();
+  EXPECT_THAT(words(), HasSubstr("of memory, but only"));
+  EXPECT_THAT(words(), HasSubstr("ulimit -v"));
+  EXPECT_THAT(words(), HasSubstr("body.bar.resolution"));
+  EXPECT_FALSE(fs::exists(m_folder.path() / "a/frames/0001.h5")) << "before anything is simulated";
+  EXPECT_EQ(under("prlimit --as=" + std::to_string(700 * 1048576L), "a"), 0)
+      << "what needs little runs there: " << words();
+}
+
 TEST_F(Promise, AFullDiskIsSaidSoAndTheRunGoesOnWhenThereIsRoom) {
   const fs::path disk = m_folder.path() / "disk";
   fs::create_directories(disk);
   if (!shell("mount -t tmpfs -o size=48k none " + disk.string()))
     GTEST_SKIP() << "may not mount";
   ASSERT_EQ(simulate("whole").exit_code, 0);
-  const Outcome full =
-      run_wry({"simulate", "bar.toml", "--out", "disk/o", "--frames", "1-4", "--isa", "sse4"}, m_folder.path());
+  const auto on_disk = [&](const char* verb, std::vector<std::string> more) {
+    more.insert(more.begin(), {verb, "bar.toml", "--out", "disk/o", "--frames", "1-4", "--isa", "sse4"});
+    return run_wry(more, m_folder.path());
+  };
+  const Outcome refused = on_disk("simulate", {});
+  EXPECT_EQ(refused.exit_code, 73) << refused.err;
+  EXPECT_THAT(refused.err, HasSubstr("of disk, but only"));
+  EXPECT_THAT(on_disk("plan", {}).out, HasSubstr("as it stands it would be refused: bar: needs about"));
+  const Outcome full = on_disk("simulate", {"--ignore-limits"});
   EXPECT_TRUE(full.exit_code == 73 || full.exit_code == 74) << full.exit_code << full.err;
   EXPECT_THAT(full.err, testing::AnyOf(HasSubstr("free"), HasSubstr("space"), HasSubstr("room"))) << full.err;
   shell("mount -o remount,size=50m " + disk.string());
-  const Outcome again =
-      run_wry({"simulate", "bar.toml", "--out", "disk/o", "--frames", "1-4", "--isa", "sse4"}, m_folder.path());
+  const Outcome again = on_disk("simulate", {});
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(frame_hashes(disk / "o"), frame_hashes(m_folder.path() / "whole"));
   shell("umount " + disk.string());

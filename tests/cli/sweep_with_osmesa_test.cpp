@@ -83,7 +83,12 @@ max = 1.0000001
   EXPECT_EQ(later.exit_code, 1);
   EXPECT_THAT(later.err, HasSubstr("height of stiff over soft is"));
   EXPECT_THAT(later.err, HasSubstr("at frame 3"));
-  EXPECT_EQ(sweep(cases).exit_code, 1) << "the last frame, where none is named";
+  const Outcome cut = sweep(cases);
+  EXPECT_EQ(cut.exit_code, 0) << cut.err;
+  EXPECT_THAT(cut.out, HasSubstr("not judged: alike (frame 9 was not asked for)"));
+  const Outcome last = sweep(cases, {"--set", "shot.frames=\"1-3\""});
+  EXPECT_EQ(last.exit_code, 1) << "the shot's last frame, where none is named";
+  EXPECT_THAT(last.err, HasSubstr("at frame 3"));
 }
 
 TEST_F(Sweep, AddedValuesKeepNumbersAndRepeatNothing) {

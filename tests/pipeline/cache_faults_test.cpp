@@ -179,15 +179,6 @@ TEST(VanishedFolder, IsAClearErrorAndNoCrash) {
   EXPECT_FALSE(cache->read_frame(1).ok());
 }
 
-TEST(DiskNeed, IsComparedWithWhatIsFree) {
-  TemporaryFolder folder;
-  EXPECT_TRUE(require_space(folder.path(), 1, "a byte").ok());
-  const Status refused = require_space(folder.path(), 1ull << 60, "120 frames");
-  ASSERT_FALSE(refused.ok());
-  EXPECT_EQ(refused.error().code, ErrorCode::cannot_write);
-  EXPECT_NE(refused.error().message.find("120 frames"), std::string::npos) << refused.error().message;
-}
-
 TEST(OutOfMemory, IsItsOwnErrorAndLeavesNothing) {
   TemporaryFolder folder;
   const std::filesystem::path frames = folder.path() / "frames";

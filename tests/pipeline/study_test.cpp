@@ -11,6 +11,7 @@
 #include "pipeline/study/stress.h"
 #include "pipeline/study/study_display.h"
 #include "pipeline/study/study_page.h"
+#include "pipeline/study/study_table.h"
 #include "pipeline/study/variant.h"
 #include "shots/load.h"
 #include "tests/pipeline/cache_support.h"
@@ -49,6 +50,49 @@ TEST(Variants, KeepTheirNumbersAsTheStudyGrowsAndShrinks) {
   EXPECT_THAT(numbers_of(fewer), ElementsAre(3, 4)) << "numbers of those that went away stay reserved";
   std::vector<Variant> twice = variants_of({"0.1", "0.1"});
   EXPECT_FALSE(number_variants(twice, folder.path()).ok());
+}
+
+std::vector<StudyRow> rows_of(const std::vector<std::vector<Parameter>>& parameters) {
+  std::vector<StudyRow> rows;
+  for (const std::vector<Parameter>& own : parameters) {
+    rows.emplace_back();
+    rows.back().variant = make_variant("", own);
+  }
+  return rows;
+}
+
+TEST(StudyGrid, HasTheLongestParameterAcrossAndItsNumbersInOrder) {
+  const auto grid = study_grid(rows_of({{{"case", "\"up\""}, {"collider.bed.friction", "0.5"}},
+                                        {{"case", "\"up\""}, {"collider.bed.friction", "0.25"}},
+                                        {{"case", "\"up\""}, {"collider.bed.friction", "1e1"}},
+                                        {{"case", "\"down\""}, {"collider.bed.friction", "1e1"}},
+                                        {{"case", "\"down\""}, {"collider.bed.friction", "0.5"}},
+                                        {{"case", "\"down\""}, {"collider.bed.friction", "0.25"}}}));
+  ASSERT_TRUE(grid);
+  EXPECT_THAT(grid->column_heads, ElementsAre("friction 0.25", "friction 0.5", "friction 1e1"));
+  EXPECT_THAT(grid->row_heads, ElementsAre("up", "down"));
+  EXPECT_THAT(grid->order, ElementsAre(1, 0, 2, 5, 4, 3));
+}
+
+TEST(StudyGrid, PutsAllOtherParametersDown) {
+  std::vector<std::vector<Parameter>> parameters;
+  for (const char* a : {"1", "2"})
+    for (const char* b : {"1", "2", "3"})
+      for (const char* c : {"5", "6"})
+        parameters.push_back({{"x.a", a}, {"x.b", b}, {"x.c", c}, {"x.same", "7"}});
+  const auto grid = study_grid(rows_of(parameters));
+  ASSERT_TRUE(grid);
+  EXPECT_THAT(grid->column_heads, ElementsAre("b 1", "b 2", "b 3"));
+  EXPECT_THAT(grid->row_heads, ElementsAre("a 1, c 5", "a 1, c 6", "a 2, c 5", "a 2, c 6"));
+  EXPECT_THAT(grid->order, ElementsAre(0, 2, 4, 1, 3, 5, 6, 8, 10, 7, 9, 11));
+}
+
+TEST(StudyGrid, IsNoneWhereVariantsAreNotEachCombinationOnce) {
+  EXPECT_FALSE(study_grid(rows_of({{{"a", "1"}}, {{"a", "2"}}}))) << "one parameter";
+  EXPECT_FALSE(study_grid(rows_of({{{"a", "1"}, {"b", "1"}}, {{"a", "2"}, {"b", "2"}}}))) << "a diagonal";
+  EXPECT_FALSE(study_grid(rows_of(
+      {{{"a", "1"}, {"b", "1"}}, {{"a", "1"}, {"b", "2"}}, {{"a", "1"}, {"b", "2"}}, {{"a", "2"}, {"b", "2"}}})))
+      << "one twice, one missing";
 }
 
 TEST(Variants, ADamagedRegisterIsSaidSo) {

@@ -111,6 +111,27 @@ TEST(ContactSheet, HoldsEveryPictureInItsPlace) {
   EXPECT_FALSE(make_contact_sheet({}).ok());
 }
 
+TEST(ContactSheet, WithHeadsHasARowPerHeadAndWordsAboveAndBeside) {
+  const std::vector<SheetEntry> entries(6, {filled(80, 40, {1.F, 0.F, 0.F}), ""});
+  const Result<Image> plain = make_contact_sheet(entries, {.columns = 3, .cell_width = 80});
+  const Result<Image> headed = make_contact_sheet(
+      entries, {.columns = 1, .cell_width = 80, .column_heads = {"a", "b", "c"}, .row_heads = {"first", "the second"}});
+  ASSERT_TRUE(plain.ok() && headed.ok());
+  const int left = headed->width - plain->width, top = headed->height - plain->height;
+  EXPECT_GT(left, 40);
+  EXPECT_GT(top, 10);
+  const auto words_in = [&](int x0, int y0, int x1, int y1) {
+    int bright = 0;
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x)
+        bright += headed->at(x, y)[1] > 150 ? 1 : 0;
+    return bright;
+  };
+  EXPECT_GT(words_in(left, 0, headed->width, top), 20) << "over the columns";
+  EXPECT_GT(words_in(0, top, left, headed->height), 40) << "before the rows";
+  EXPECT_EQ(words_in(left, top, headed->width, headed->height), 0) << "and not over the pictures";
+}
+
 TEST(ContactSheet, ShrinkingKeepsTheMeanOfTheLight) {
   Image checks(64, 64);
   for (int y = 0; y < 64; ++y) {

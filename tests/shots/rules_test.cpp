@@ -90,6 +90,13 @@ TEST(Rules, MeasuresAndExpectationsAreWhole) {
   const std::string measure = "[[measure]]\nname = \"m\"\nkind = \"height\"\n[expect.e]\n";
   EXPECT_THAT(refusal(load_with(measure + "measure = \"m\"\n")), HasSubstr("give min, max or both"));
   EXPECT_THAT(refusal(load_with(measure + "measure = \"m\"\nmin = 2\nmax = 1\n")), HasSubstr("at least min = 2"));
+  const Result<Shot> late = load_with(measure + "measure = \"m\"\nmin = 2\nframe = 9999\n");
+  EXPECT_THAT(refusal(late), HasSubstr("expect.e.frame = 9999: the shot has frames 1 to "));
+  EXPECT_THAT(refusal(late), testing::MatchesRegex("^[^:]+:[0-9]+:[0-9]+: (.|\n)*"));
+  EXPECT_THAT(refusal(load_with(measure + "measure = \"m\"\nmin = 2\nframe = 0\n")), HasSubstr("expected one of them"));
+  EXPECT_EQ(refusal(load_with(measure + "measure = \"m\"\nmin = 2\nframe = 2\n", {{"shot.frames", "1", {}}})),
+            "accepted")
+      << "cut at the command line: the run says that it is not judged";
   EXPECT_THAT(refusal(load_with(measure + "measure = \"n\"\nmin = 2\n")),
               HasSubstr("there is no [[measure]] with this name"));
   EXPECT_THAT(refusal(load_with(measure + "measure = \"m\"\nmin = 2\nratio_to = \"x\"\n")),

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "pipeline/cli/expectations.h"
 #include "pipeline/cli/output_folder.h"
 #include "pipeline/cli/run_report.h"
 #include "pipeline/cli/shot_run.h"
@@ -37,7 +38,7 @@ Status run_verb(const Invocation& invocation) {
   if (!invocation.quiet)
     fmt::print("pictures: {}\nreport:   {}\n", (session->out / "images").string(),
                (session->out / "report.html").string());
-  return check_expectations(*session, *table);
+  return report_judgements(judge_expectations(session->shot, *table));
 }
 
 } // namespace wry::pipeline

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "pipeline/cache/atomic_file.h"
+#include "pipeline/cli/expectations.h"
 #include "pipeline/cli/output_folder.h"
 #include "pipeline/cli/study_session.h"
 #include "pipeline/cli/verb.h"
@@ -20,48 +21,55 @@ namespace wry::pipeline {
 
 namespace {
 
-/// What an expectation is about in a wedge: its measure on its frame, or on the last; NaN when it is not there.
-double measured_in(const StudyRow& row, const shots::Expectation& expectation) {
+/// What an expectation is about in a wedge: its measure on its frame; NaN when it is not there.
+double measured_in(const StudyRow& row, const shots::Expectation& expectation, int frame) {
   const CsvTable table = read_csv_table(row.folder / "measure.csv");
   const std::vector<double> frames = table.numbers("frame"), values = table.numbers(*expectation.measure);
   const std::size_t known = std::min(frames.size(), values.size());
   for (std::size_t i = 0; i < known; ++i) {
-    if (expectation.frame ? frames[i] == static_cast<double>(**expectation.frame) : i + 1 == known)
+    if (frames[i] == frame)
       return values[i];
   }
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-/// Ratios between wedges, which no single wedge can hold against its expectation. Without a case every other wedge must
-/// hold it. What is about a frame that was not asked for is not looked at.
+/// The ratios of one expectation. Without a case every other wedge must hold it. Adds what does not hold.
+void judge_ratios(const shots::Expectation& expectation, int frame, const std::vector<StudyRow>& rows,
+                  std::string& failed) {
+  const auto base = std::find_if(rows.begin(), rows.end(),
+                                 [&](const StudyRow& row) { return row.variant.name == **expectation.ratio_to; });
+  const double divisor =
+      base == rows.end() ? std::numeric_limits<double>::quiet_NaN() : measured_in(*base, expectation, frame);
+  bool seen = false;
+  for (const StudyRow& row : rows) {
+    const bool meant = expectation.sweep_case ? row.variant.name == **expectation.sweep_case
+                                              : row.variant.name != **expectation.ratio_to;
+    if (!meant)
+      continue;
+    seen = true;
+    const double ratio = measured_in(row, expectation, frame) / divisor;
+    if ((expectation.min && !(ratio >= **expectation.min)) || (expectation.max && !(ratio <= **expectation.max)))
+      failed += fmt::format("\n  {}: {} of {} over {} is {:.4g} at frame {}", expectation.source.text(),
+                            *expectation.measure, row.variant.name, **expectation.ratio_to, ratio, frame);
+  }
+  if (!seen)
+    failed +=
+        fmt::format("\n  {}: there is no wedge to divide by {}", expectation.source.text(), **expectation.ratio_to);
+}
+
+/// Ratios between wedges, which no single wedge can hold against its expectation. What is about a frame that was not
+/// asked for is not judged.
 Status check_ratios(const ShotSession& session, const std::vector<StudyRow>& rows) {
   std::string failed;
   for (const shots::Expectation& expectation : session.shot.expectations) {
-    const bool asked_for =
-        !expectation.frame || std::find(session.frames.begin(), session.frames.end(),
-                                        static_cast<int>(**expectation.frame)) != session.frames.end();
-    if (!expectation.ratio_to || !asked_for)
+    if (!expectation.ratio_to)
       continue;
-    const auto base = std::find_if(rows.begin(), rows.end(),
-                                   [&](const StudyRow& row) { return row.variant.name == **expectation.ratio_to; });
-    const double divisor =
-        base == rows.end() ? std::numeric_limits<double>::quiet_NaN() : measured_in(*base, expectation);
-    bool seen = false;
-    for (const StudyRow& row : rows) {
-      const bool meant = expectation.sweep_case ? row.variant.name == **expectation.sweep_case
-                                                : row.variant.name != **expectation.ratio_to;
-      if (!meant)
-        continue;
-      seen = true;
-      const double ratio = measured_in(row, expectation) / divisor;
-      if ((expectation.min && !(ratio >= **expectation.min)) || (expectation.max && !(ratio <= **expectation.max)))
-        failed += fmt::format("\n  {}: {} of {} over {} is {:.4g}{}", expectation.source.text(), *expectation.measure,
-                              row.variant.name, **expectation.ratio_to, ratio,
-                              expectation.frame ? fmt::format(" at frame {}", **expectation.frame) : "");
-    }
-    if (!seen)
-      failed +=
-          fmt::format("\n  {}: there is no wedge to divide by {}", expectation.source.text(), **expectation.ratio_to);
+    // All frames up to the last are made, whichever are drawn.
+    const int frame = expected_frame(expectation, session.shot);
+    if (frame > session.frames.back())
+      fmt::print("not judged: {} ({})\n", *expectation.name, not_asked_for(frame));
+    else
+      judge_ratios(expectation, frame, rows, failed);
   }
   if (!failed.empty())
     return make_error(ErrorCode::check_failed, "expectations between wedges that do not hold:{}", failed);
