@@ -1,6 +1,7 @@
 #include "render/passes/light_state.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <Eigen/Geometry>
@@ -26,20 +27,34 @@ Eigen::Vector2d disc_point(int index, int count) {
   return radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
 }
 
-/// Fits the shadow map to the box of the whole sequence: it neither clips nor swims while the subject moves.
+/// How far the light goes on from the lowest point of the bounds to a floor that lies deeper [m].
+double way_to_floor(const RenderPlan& plan, const Vec3& towards) {
+  if (plan.ground.kind == Ground::Kind::none || !plan.ground.height)
+    return 0.0;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (int corner = 0; corner < 8; ++corner)
+    lowest =
+        std::min(lowest, plan.up.dot(plan.bounds.box().corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner))));
+  return std::max(lowest - *plan.ground.height, 0.0) / std::max(towards.dot(plan.up), 0.2);
+}
+
+/// Fits the shadow map to the box of the whole sequence: it neither clips nor swims while the subject moves. It reaches
+/// down to the floor, or the penumbra there would be too narrow.
 void fit_shadow_map(const RenderPlan& plan, const Mat3& axes, LightState& state) {
   Eigen::AlignedBox3d box;
   for (int corner = 0; corner < 8; ++corner)
     box.extend(axes.transpose() *
                (plan.bounds.box().corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) - plan.bounds.centre()));
   const double side = 1.04 * std::max(box.sizes().x(), box.sizes().y()) + 1e-9;
-  const double depth = 1.04 * box.sizes().z() + 1e-9;
+  const double own_depth = 1.04 * box.sizes().z() + 1e-9;
+  const double depth = own_depth + way_to_floor(plan, axes.col(2));
   const Vec3 centre = box.center();
   Eigen::Matrix4d light = Eigen::Matrix4d::Identity();
   light.topLeftCorner<3, 3>() = axes.transpose();
   Eigen::Matrix4d clip = Eigen::Matrix4d::Identity();
   clip.diagonal() << 2.0 / side, 2.0 / side, -1.0 / depth, 1.0;
-  clip.topRightCorner<3, 1>() << -2.0 * centre.x() / side, -2.0 * centre.y() / side, centre.z() / depth + 0.5;
+  clip.topRightCorner<3, 1>() << -2.0 * centre.x() / side, -2.0 * centre.y() / side,
+      (centre.z() + 0.5 * own_depth) / depth;
   state.light_from_world = light.cast<float>();
   state.clip_from_world_shadow = (clip * light).cast<float>();
   state.shadow_extent = static_cast<float>(side);

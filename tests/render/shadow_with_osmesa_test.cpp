@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "render/passes/light_state.h"
 #include "tests/render/pictures_support.h"
 #include "tests/render/shapes_support.h"
 
@@ -104,6 +105,27 @@ TEST(Shadow, LitSideOfASmoothBallHasNoAcne) {
     ++compared;
   }
   EXPECT_GT(compared, 1000);
+}
+
+/// What is beyond the map's depth counts as near its end, and gets the narrow penumbra of something near.
+TEST(Shadow, MapReachesTheFloorHoweverDeepItLies) {
+  const MeshScene scene = make_mesh_scene(testing::box(Vec3(-1, 1.5, -1), Vec3(1, 1.52, 1)), "plate", "clay");
+  RenderPlan plan = testing::small_plan(scene);
+  for (const double floor : {1.5, 1.0, 0.0, -3.0}) {
+    plan.ground.height = floor;
+    const LightState lights = light_state(plan, 0.0, 0, 8);
+    ASSERT_GE(lights.shadowed, 0);
+    const Eigen::Vector3f to_light = lights.directions.col(lights.shadowed).head<3>();
+    for (const Vec3& corner : {Vec3(-1, 1.5, -1), Vec3(1, 1.52, 1), Vec3(1, 1.52, -1), Vec3(-1, 1.5, 1)}) {
+      const Eigen::Vector3f from = (corner - plan.bounds.centre()).cast<float>();
+      const float way = static_cast<float>(1.5 - floor) / to_light.y();
+      const float caster = (lights.clip_from_world_shadow * from.homogeneous()).z();
+      const float receiver = (lights.clip_from_world_shadow * (from - way * to_light).homogeneous()).z();
+      EXPECT_GT(caster, 0.F);
+      EXPECT_LT(receiver, 1.F) << floor;
+      EXPECT_NEAR((receiver - caster) * lights.shadow_depth, way, 1e-4F);
+    }
+  }
 }
 
 } // namespace
