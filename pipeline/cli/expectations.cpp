@@ -32,9 +32,9 @@ double excess_of(const shots::Expectation& expectation, double value) {
 
 std::string failure(const shots::Expectation& expectation, double value, int frame) {
   const bool low = expectation.min && !(value >= **expectation.min);
-  return fmt::format("{}: {} is {:.6g} at frame {}, expected {} {:.6g}", expectation.source.text(),
-                     *expectation.measure, value, frame, low ? "at least" : "at most",
-                     low ? **expectation.min : **expectation.max);
+  const std::string found = std::isnan(value) ? "not a number" : fmt::format("{:.6g}", value);
+  return fmt::format("{}: {} is {} at frame {}, expected {} {:.6g}", expectation.source.text(), *expectation.measure,
+                     found, frame, low ? "at least" : "at most", low ? **expectation.min : **expectation.max);
 }
 
 /// The worst of its frames decides.
