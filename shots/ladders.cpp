@@ -1,5 +1,7 @@
 #include "shots/ladders.h"
 
+#include <cmath>
+
 #include "shots/check.h"
 #include "shots/sweep_plan.h"
 
@@ -84,10 +86,13 @@ private:
 AccuracySection plan_accuracy(const Table& root, Diagnostics& diagnostics) {
   SectionReader reader(root, "accuracy", diagnostics);
   AccuracySection section;
-  section.ladders = reader.ladders({"frames", "tolerance", "reference_factor", "reference", "exact"});
+  section.ladders = reader.ladders({"frames", "tolerance", "reference_factor", "repeats", "reference", "exact"});
   reader.frames_key(section.frames);
   reader.number_key("tolerance", strictly_between(0.0, 1.0), section.tolerance);
   reader.number_key("reference_factor", between(1.5, 1000.0), section.reference_factor);
+  double repeats = section.repeats;
+  reader.number_key("repeats", between(1.0, 9.0), repeats);
+  section.repeats = static_cast<int>(std::lround(repeats));
   for (const auto& [key, value] : reader.entries("reference")) {
     section.reference.push_back({key, to_toml(*value), value->place.source("accuracy.reference")});
   }

@@ -24,6 +24,7 @@ struct AccuracySection {
   std::optional<std::string> frames;
   double tolerance = 0.01;       ///< relative error that the recommendation is for
   double reference_factor = 4.0; ///< how much finer than its finest rung a ladder's reference is
+  int repeats = 1;               ///< runs of each rung, of whose times the median counts
   std::vector<Ladder> ladders;
   std::vector<Override> reference;                   ///< one reference for every ladder; empty: each its own
   std::vector<std::pair<std::string, double>> exact; ///< measures whose last value is known

@@ -50,12 +50,9 @@ Result<Study> run_study_session(const StudyRequest& request, const Study& study,
   return run_study(request, study, **engine, settings, selection);
 }
 
-Result<std::optional<HeldStudy>> hold_study(StudyRequest& request, std::vector<Variant>& variants,
-                                            const std::optional<std::string>& frames, const Invocation& invocation) {
-  request.stages = StudyStages::simulate;
+Result<std::optional<Study>> run_held_study(StudyRequest& request, std::vector<Variant>& variants,
+                                            const Invocation& invocation) {
   request.failures_are_results = true;
-  if (request.frames.empty() && frames)
-    request.frames = *frames;
   if (Status status = number_variants(variants, request.folder); !status)
     return status.error();
   request.variants = variants;
@@ -64,16 +61,33 @@ Result<std::optional<HeldStudy>> hold_study(StudyRequest& request, std::vector<V
     return study.error();
   if (invocation.list || invocation.dry_run) {
     print_job_graph(*study, invocation);
-    return std::optional<HeldStudy>();
+    return std::optional<Study>();
   }
-  Result<FolderLock> lock = take_folder(request.folder);
-  if (!lock)
-    return lock.error();
   if (!invocation.collect)
     study = run_study_session(request, *study, invocation);
   if (!study)
     return study.error();
-  return std::optional<HeldStudy>(HeldStudy{std::move(*study), std::move(*lock)});
+  return std::optional<Study>(std::move(*study));
+}
+
+Result<std::optional<HeldStudy>> hold_study(StudyRequest& request, std::vector<Variant>& variants,
+                                            const std::optional<std::string>& frames, const Invocation& invocation) {
+  request.stages = StudyStages::simulate;
+  if (request.frames.empty() && frames)
+    request.frames = *frames;
+  std::optional<FolderLock> lock;
+  if (!invocation.list && !invocation.dry_run) {
+    Result<FolderLock> taken = take_folder(request.folder);
+    if (!taken)
+      return taken.error();
+    lock = std::move(*taken);
+  }
+  Result<std::optional<Study>> study = run_held_study(request, variants, invocation);
+  if (!study)
+    return study.error();
+  if (!*study)
+    return std::optional<HeldStudy>();
+  return std::optional<HeldStudy>(HeldStudy{std::move(**study), std::move(*lock)});
 }
 
 void print_job_graph(const Study& study, const Invocation& invocation) {

@@ -23,6 +23,10 @@ struct HeldStudy {
   FolderLock lock;
 };
 
+/// The same for a study within a folder that is held already. Nothing where the command line only asks for the list.
+Result<std::optional<Study>> run_held_study(StudyRequest& request, std::vector<Variant>& variants,
+                                            const Invocation& invocation);
+
 /// The study of `variants` whose failures are results (wry accuracy, wry stress), run as far as it has not been;
 /// `frames` are those of its section. Nothing where the command line only asks for the list. Errors: as run_study();
 /// locked.

@@ -74,6 +74,17 @@ Result<AccuracyStudy> plan_accuracy_study(const shots::AccuracySection& section)
   return study;
 }
 
+SplitLadders split_ladders(const shots::AccuracySection& section) {
+  const auto is_drawn = [](const auto& entry) { return entry.key.starts_with("render."); };
+  SplitLadders split{section, section};
+  std::erase_if(split.simulated.ladders, is_drawn);
+  std::erase_if(split.simulated.reference, is_drawn);
+  std::erase_if(split.drawn.ladders, [&](const shots::Ladder& ladder) { return !is_drawn(ladder); });
+  std::erase_if(split.drawn.reference, [&](const shots::Override& value) { return !is_drawn(value); });
+  split.drawn.exact.clear();
+  return split;
+}
+
 double observed_order(const std::vector<double>& values, const std::vector<double>& errors) {
   double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
   for (std::size_t i = 0; i < std::min(values.size(), errors.size()); ++i) {

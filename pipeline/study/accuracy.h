@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/report/plot.h"
+#include "pipeline/study/accuracy_errors.h"
 #include "pipeline/study/study.h"
 #include "shots/ladders.h"
 
@@ -31,17 +32,12 @@ struct AccuracyStudy {
 /// Errors: bad_input for a ladder whose reference cannot be made finer by a factor (words, or one value).
 Result<AccuracyStudy> plan_accuracy_study(const shots::AccuracySection& section);
 
-/// One quantity that is compared: a measure over the frames, or the positions of all nodes.
-struct ErrorValue {
-  std::string quantity;                                    ///< "tip", "position", "rotation"
-  double error = std::numeric_limits<double>::quiet_NaN(); ///< relative
-};
-
 struct JudgedRung {
   Rung rung;
-  std::string name;    ///< "fem.time_step = 0.02"
-  std::string outcome; ///< "done", or why there is no error
-  double cpu_seconds = 0.0, wall_seconds = 0.0;
+  std::string name;                             ///< "fem.time_step = 0.02"
+  std::string outcome;                          ///< "done", or why there is no error
+  double cpu_seconds = 0.0, wall_seconds = 0.0; ///< the median of repeats
+  double timing_spread = 0.0;                   ///< largest CPU time less the least, over the median
   double steps = 0.0, iterations = 0.0;
   std::vector<ErrorValue> errors;
 };
@@ -61,9 +57,20 @@ struct AccuracyReport {
   std::vector<std::string> advice; ///< in words
 };
 
-/// Reads the runs of an accuracy study and judges them. Timing differences below `TIMING_NOISE` are said to be none.
+/// The ladders of a section over what is simulated, and those over how it is drawn (render.*), whose rungs draw the
+/// frames of the shot as it is. References go to the part that their keys belong to.
+struct SplitLadders {
+  shots::AccuracySection simulated, drawn;
+};
+SplitLadders split_ladders(const shots::AccuracySection& section);
+
+/// What the runs of a study are held against each other by.
+enum class Compared { frames, pictures };
+
+/// Reads the runs of an accuracy study and judges them. Timing differences below what repeats
+/// differ by, or without repeats below `TIMING_NOISE`, are said to be none.
 AccuracyReport judge_accuracy(const shots::AccuracySection& section, const AccuracyStudy& plan,
-                              const std::vector<StudyRow>& rows);
+                              const std::vector<StudyRow>& rows, Compared compared = Compared::frames);
 inline constexpr double TIMING_NOISE = 0.1;
 
 /// A row per rung.

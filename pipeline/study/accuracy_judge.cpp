@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/cache/frame_cache.h"
 #include "pipeline/report/csv_table.h"
 #include "pipeline/study/accuracy.h"
+#include "pipeline/study/accuracy_errors.h"
 
 namespace wry::pipeline {
 
@@ -13,89 +13,15 @@ namespace {
 
 constexpr double NAN_VALUE = std::numeric_limits<double>::quiet_NaN();
 
-/// Root mean square over common frames of the difference, over the largest value of the reference.
-double measure_error(const StudyRow& row, const StudyRow& reference, const std::string& measure) {
-  const CsvTable a = read_csv_table(row.folder / "measure.csv"), b = read_csv_table(reference.folder / "measure.csv");
-  const std::vector<double> frames_a = a.numbers("frame"), frames_b = b.numbers("frame");
-  const std::vector<double> values_a = a.numbers(measure), values_b = b.numbers(measure);
-  if (values_a.size() != frames_a.size() || values_b.size() != frames_b.size())
-    return NAN_VALUE;
-  double sum = 0.0, scale = 0.0;
-  int count = 0;
-  for (std::size_t i = 0; i < frames_a.size(); ++i) {
-    const auto same = std::find(frames_b.begin(), frames_b.end(), frames_a[i]);
-    if (same == frames_b.end())
-      continue;
-    const double exact = values_b[static_cast<std::size_t>(same - frames_b.begin())];
-    sum += (values_a[i] - exact) * (values_a[i] - exact);
-    scale = std::max(scale, std::abs(exact));
-    ++count;
-  }
-  return count > 0 && scale > 0.0 ? std::sqrt(sum / count) / scale : NAN_VALUE;
-}
-
-/// Difference of a channel at the last frame, root mean square over all nodes; NaN when the meshes differ. Quaternions
-/// are compared up to their sign.
-double channel_difference(const Frame& a, const Frame& b, const std::string& name) {
-  double sum = 0.0;
-  std::size_t rows = 0;
-  for (std::size_t body = 0; body < std::min(a.bodies.size(), b.bodies.size()); ++body) {
-    const Channel* x = find_channel(a.bodies[body], name);
-    const Channel* y = find_channel(b.bodies[body], name);
-    if (x == nullptr || y == nullptr)
-      continue;
-    if (x->values.size() != y->values.size() || x->components != y->components)
-      return NAN_VALUE;
-    const auto columns = static_cast<std::size_t>(x->components);
-    for (std::size_t row = 0; row + columns <= x->values.size(); row += columns) {
-      double minus = 0.0, plus = 0.0;
-      for (std::size_t c = 0; c < columns; ++c) {
-        minus += (x->values[row + c] - y->values[row + c]) * (x->values[row + c] - y->values[row + c]);
-        plus += (x->values[row + c] + y->values[row + c]) * (x->values[row + c] + y->values[row + c]);
-      }
-      sum += columns == 4 ? std::min(minus, plus) : minus;
-      ++rows;
-    }
-  }
-  return rows > 0 ? std::sqrt(sum / static_cast<double>(rows)) : NAN_VALUE;
-}
-
-/// Errors of the nodes themselves at the last frame: positions over the size of the scene, rotations as they are.
-std::vector<ErrorValue> node_errors(const StudyRow& row, const StudyRow& reference) {
-  std::vector<ErrorValue> errors = {{"position", NAN_VALUE}, {"rotation", NAN_VALUE}};
-  const Result<FrameCache> a = FrameCache::open_to_read(row.folder / "frames"),
-                           b = FrameCache::open_to_read(reference.folder / "frames");
-  if (!a || !b || row.frames.empty())
-    return errors;
-  const Result<Frame> mine = a->read_frame(row.frames.back()), exact = b->read_frame(row.frames.back());
-  if (!mine || !exact)
-    return errors;
-  double size = 0.0;
-  for (const FrameBody& body : exact->bodies) {
-    if (const Channel* position = find_channel(body, "position"); position != nullptr && position->values.size() >= 3) {
-      const Eigen::Map<const Points> points(position->values.data(),
-                                            static_cast<Eigen::Index>(position->values.size() / 3), 3);
-      size = std::max(size, (points.colwise().maxCoeff() - points.colwise().minCoeff()).maxCoeff());
-    }
-  }
-  errors[0].error = channel_difference(*mine, *exact, "position") / size;
-  errors[1].error = channel_difference(*mine, *exact, "microrotation");
-  return errors;
-}
-
-double exact_error(const StudyRow& row, const std::string& measure, double exact) {
-  const CsvTable table = read_csv_table(row.folder / "measure.csv");
-  const std::vector<double> values = table.numbers(measure);
-  return values.empty() || exact == 0.0 ? NAN_VALUE : std::abs(values.back() - exact) / std::abs(exact);
-}
-
 /// Judges the runs of one accuracy study.
 class Judge {
 public:
-  Judge(const shots::AccuracySection& section, const AccuracyStudy& plan, const std::vector<StudyRow>& rows)
+  Judge(const shots::AccuracySection& section, const AccuracyStudy& plan, const std::vector<StudyRow>& rows,
+        Compared compared)
       : m_section(section)
       , m_plan(plan)
-      , m_rows(rows) {}
+      , m_rows(rows)
+      , m_compared(compared) {}
 
   AccuracyReport judge() {
     find_quantities();
@@ -115,6 +41,10 @@ public:
 
 private:
   void find_quantities() {
+    if (m_compared == Compared::pictures) {
+      m_report.quantities = {"picture"};
+      return;
+    }
     for (const auto& [name, value] : m_section.exact)
       m_report.quantities.push_back(name);
     if (!m_report.quantities.empty() && m_section.reference.empty())
@@ -127,7 +57,8 @@ private:
           m_report.quantities.push_back(name);
       }
     }
-    m_report.quantities.insert(m_report.quantities.end(), {"position", "rotation"});
+    for (const ErrorValue& value : errors_of_frames({}, {}))
+      m_report.quantities.push_back(value.quantity);
   }
 
   /// What no rung has, such as rotations of a classic solid.
@@ -151,9 +82,15 @@ private:
 
   JudgedRung judged(const Rung& rung) const {
     const StudyRow& row = m_rows[rung.row];
-    JudgedRung result{
-        rung, row.variant.name, std::string(outcome_name(row.outcome)), row.cpu_seconds, row.wall_seconds, 0.0, 0.0,
-        {}};
+    JudgedRung result{rung,
+                      row.variant.name,
+                      std::string(outcome_name(row.outcome)),
+                      row.cpu_seconds,
+                      row.wall_seconds,
+                      row.timing_spread,
+                      0.0,
+                      0.0,
+                      {}};
     const CsvTable stats = read_csv_table(row.folder / "stats.csv");
     result.steps = static_cast<double>(stats.rows.size());
     for (const double iterations : stats.numbers("newton_iterations"))
@@ -165,8 +102,11 @@ private:
     else if (exact != nullptr && exact->outcome != StudyOutcome::done)
       result.outcome = "its reference is not done: " + exact->reason;
     const bool comparable = result.outcome == "done";
-    const std::vector<ErrorValue> nodes =
-        comparable && exact != nullptr ? node_errors(row, *exact) : std::vector<ErrorValue>();
+    std::vector<ErrorValue> nodes;
+    if (comparable && exact != nullptr && m_compared == Compared::pictures)
+      nodes = {{"picture", picture_error(row, *exact)}};
+    else if (comparable && exact != nullptr)
+      nodes = errors_of_frames(row, *exact);
     for (const std::string& quantity : m_report.quantities)
       result.errors.push_back({quantity, comparable ? error_of(row, exact, nodes, quantity) : NAN_VALUE});
     return result;
@@ -229,8 +169,17 @@ private:
                       100.0 * left));
   }
 
+  /// What two times may differ by and yet be the same: as far as repeats lie apart, if there are any.
+  double timing_noise() const {
+    double spread = 0.0;
+    for (const JudgedRung& judged : m_report.rungs)
+      spread = std::max(spread, judged.timing_spread);
+    return m_section.repeats > 1 ? spread : TIMING_NOISE;
+  }
+
   void advise() {
     std::vector<double> times, errors;
+    const double noise = timing_noise();
     for (const JudgedRung& judged : m_report.rungs) {
       times.push_back(judged.cpu_seconds);
       errors.push_back(judged.errors.front().error);
@@ -257,25 +206,25 @@ private:
       m_report.advice.push_back(fmt::format("the shot as it is takes {:.3g} s, {:.2g} times as much", base.cpu_seconds,
                                             base.cpu_seconds / best.cpu_seconds));
     for (std::size_t i = 0; i < times.size(); ++i) {
-      const bool close =
-          i != *good && errors[i] <= m_section.tolerance && times[i] < times[*good] * (1.0 + TIMING_NOISE);
+      const bool close = i != *good && errors[i] <= m_section.tolerance && times[i] < times[*good] * (1.0 + noise);
       if (close)
-        m_report.advice.push_back(fmt::format("{} is as fast within the {:g} % that timings vary by",
-                                              m_report.rungs[i].name, 100.0 * TIMING_NOISE));
+        m_report.advice.push_back(fmt::format("{} is as fast within the {:.2g} % that timings vary by",
+                                              m_report.rungs[i].name, 100.0 * noise));
     }
   }
 
   const shots::AccuracySection& m_section;
   const AccuracyStudy& m_plan;
   const std::vector<StudyRow>& m_rows;
+  Compared m_compared;
   AccuracyReport m_report;
 };
 
 } // namespace
 
 AccuracyReport judge_accuracy(const shots::AccuracySection& section, const AccuracyStudy& plan,
-                              const std::vector<StudyRow>& rows) {
-  return Judge(section, plan, rows).judge();
+                              const std::vector<StudyRow>& rows, Compared compared) {
+  return Judge(section, plan, rows, compared).judge();
 }
 
 } // namespace wry::pipeline

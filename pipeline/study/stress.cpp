@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -166,21 +167,43 @@ MapPlot stress_map(const StressStudy& study, const StressReport& report, const s
 }
 
 MapPlot stress_pairs_map(const StressStudy& study, const StressReport& report, const std::string& shot) {
-  MapPlot map{shot + ": two knobs at their ends, the worst of four", {}, {}, {}};
+  MapPlot map{shot + ": two knobs at their ends: how many of four hold, and the worst", {}, {}, {}};
   for (const shots::Ladder& knob : study.knobs) {
     map.rows.push_back(knob.key);
     map.columns.push_back(knob.key.substr(knob.key.rfind('.') + 1));
   }
   map.cells.assign(study.knobs.size(), std::vector<MapCell>(study.knobs.size()));
+  struct Count {
+    int cases = 0, held = 0;
+  };
+  std::map<std::pair<std::size_t, std::size_t>, Count> counts;
   for (std::size_t c = 0; c < study.cases.size(); ++c) {
     const StressCase& one = study.cases[c];
     if (one.knobs.size() != 2)
       continue;
-    for (const auto& [a, b] : {std::pair{one.knobs[0], one.knobs[1]}, std::pair{one.knobs[1], one.knobs[0]}}) {
-      MapCell& cell = map.cells[a][b];
-      if (badness(report.findings[c].mark) > badness(cell.mark))
-        cell = {report.findings[c].mark, cell_text(report.findings[c])};
-    }
+    const MapMark mark = report.findings[c].mark;
+    Count& count = counts[std::minmax(one.knobs[0], one.knobs[1])];
+    count.cases += mark != MapMark::none ? 1 : 0;
+    count.held += mark == MapMark::holds || mark == MapMark::holds_with_smaller_steps ? 1 : 0;
+    MapCell& cell = map.cells[one.knobs[0]][one.knobs[1]];
+    if (badness(mark) > badness(cell.mark))
+      cell.mark = mark;
+    cell.text = count.cases > 0 ? fmt::format("{} of {}", count.held, count.cases) : std::string();
+    map.cells[one.knobs[1]][one.knobs[0]] = cell;
+  }
+  // Knobs that are turned alone only have no pairs.
+  for (std::size_t knob = study.knobs.size(); knob-- > 0;) {
+    const bool paired = std::any_of(counts.begin(), counts.end(), [&](const auto& entry) {
+      return entry.first.first == knob || entry.first.second == knob;
+    });
+    if (paired)
+      continue;
+    const auto at = static_cast<std::ptrdiff_t>(knob);
+    map.rows.erase(map.rows.begin() + at);
+    map.columns.erase(map.columns.begin() + at);
+    map.cells.erase(map.cells.begin() + at);
+    for (std::vector<MapCell>& row : map.cells)
+      row.erase(row.begin() + at);
   }
   return map;
 }

@@ -44,6 +44,20 @@ Status prepare_row(const StudyRequest& request, StudyRow& row) {
   return {};
 }
 
+/// The frames that a variant draws, as if they were its own.
+Status link_frames(const StudyRequest& request, const StudyRow& row) {
+  for (int repeat = 0; repeat < request.repeats; ++repeat) {
+    const std::filesystem::path folder = repeat == 0 ? row.folder : row.folder / timing_stage(repeat);
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (!error && !std::filesystem::exists(folder / "frames"))
+      std::filesystem::create_directory_symlink(request.frames_of / "frames", folder / "frames", error);
+    if (error)
+      return make_error(ErrorCode::cannot_write, "{}: {}", (folder / "frames").string(), error.message());
+  }
+  return {};
+}
+
 bool is_selected(const Study& study, const StudyRow& row, StudySelection selection) {
   switch (selection) {
   case StudySelection::unfinished:
@@ -121,6 +135,12 @@ Result<Study> run_study(const StudyRequest& request, const Study& study, Engine&
   const JobGraph selected = select_jobs(study, selection);
   for (const Job& job : selected.jobs) {
     if (Status status = remove_file(job.record); !status)
+      return status.error();
+  }
+  for (const StudyRow& row : study.rows) {
+    if (request.stages != StudyStages::draw)
+      break;
+    if (Status status = link_frames(request, row); !status)
       return status.error();
   }
   if (Status status = engine.run(selected, settings); !status)

@@ -17,6 +17,7 @@ namespace wry::pipeline {
 /// What every variant of a study goes through.
 enum class StudyStages {
   simulate, ///< frames and measures only
+  draw,     ///< render frames that are there: those of the folder that `frames_of` names
   pictures, ///< simulate, render in chunks of frames, then `run`, which finds all done, encodes and checks
 };
 
@@ -37,6 +38,8 @@ struct StudyRequest {
   Shortage shortage = Shortage::refuse;
   double time_limit_seconds = 0.0;   ///< of each simulation; 0: none
   bool failures_are_results = false; ///< as of a stress test: what failed is not run again unless it is asked for
+  int repeats = 1;                   ///< how often each simulation or drawing is run, for its time
+  std::filesystem::path frames_of;   ///< with StudyStages::draw: the folder of a run whose frames all variants draw
   /// Command line of a last job that collects the table, for farms; empty: none.
   std::vector<std::string> collect;
 };
@@ -62,8 +65,9 @@ struct StudyRow {
   StudyOutcome outcome = StudyOutcome::not_run;
   int exit_code = 0;
   bool timed_out = false;
-  std::string reason; ///< why it failed, in the words of the process
-  double wall_seconds = 0.0, cpu_seconds = 0.0;
+  std::string reason;                           ///< why it failed, in the words of the process
+  double wall_seconds = 0.0, cpu_seconds = 0.0; ///< of all its jobs; with repeats, the median
+  double timing_spread = 0.0;                   ///< of repeats: largest CPU time less the least, over the median
   std::uint64_t peak_bytes = 0;
   std::vector<std::pair<std::string, std::string>> measures; ///< last row of measure.csv, by column
 };

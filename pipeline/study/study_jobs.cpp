@@ -36,6 +36,11 @@ public:
       , m_key(std::move(key)) {}
 
   Job make(const std::string& verb, const std::string& stage, const std::string& frames) const {
+    return make(verb, stage, frames, m_row.folder);
+  }
+
+  Job make(const std::string& verb, const std::string& stage, const std::string& frames,
+           const std::filesystem::path& folder) const {
     Job job;
     job.id = m_row.variant.id() + "." + stage;
     job.stage = stage;
@@ -47,7 +52,7 @@ public:
     const std::vector<std::string> own = m_row.variant.arguments();
     job.arguments.insert(job.arguments.end(), own.begin(), own.end());
     job.arguments.insert(job.arguments.end(),
-                         {"--out", m_row.folder.string(), "--isa", std::string(isa_name(m_request.isa)), "--threads",
+                         {"--out", folder.string(), "--isa", std::string(isa_name(m_request.isa)), "--threads",
                           std::to_string(m_request.threads), "--shared", (m_request.folder / "shared").string()});
     if (!frames.empty())
       job.arguments.insert(job.arguments.end(), {"--frames", frames});
@@ -85,6 +90,16 @@ public:
     return jobs;
   }
 
+  /// The same work again in folders of its own, one after the other, for its time alone.
+  void add_repeats(const std::string& verb, std::vector<Job>& jobs) const {
+    for (int k = 1; k < m_request.repeats; ++k) {
+      Job job = make(verb, timing_stage(k), m_request.frames, m_row.folder / timing_stage(k));
+      job.after = {jobs.back().id};
+      job.time_limit_seconds = m_request.time_limit_seconds;
+      jobs.push_back(std::move(job));
+    }
+  }
+
   Job finish(const std::vector<Job>& before) const {
     Job job = make("run", "finish", m_request.frames);
     for (const Job& other : before)
@@ -101,14 +116,26 @@ private:
 
 } // namespace
 
+std::string timing_stage(int repeat) {
+  return fmt::format("timing-{}", repeat);
+}
+
 Result<std::vector<Job>> jobs_of(const StudyRequest& request, const StudyRow& row) {
   const Result<std::string> key = key_of(request, row);
   if (!key)
     return key.error();
   const JobMaker maker(request, row, *key);
-  std::vector<Job> jobs = {maker.simulate()};
-  if (request.stages == StudyStages::simulate)
+  std::vector<Job> jobs;
+  if (request.stages == StudyStages::draw) {
+    jobs.push_back(maker.make("render", "render-0", request.frames));
+    maker.add_repeats("render", jobs);
     return jobs;
+  }
+  jobs.push_back(maker.simulate());
+  if (request.stages == StudyStages::simulate) {
+    maker.add_repeats("simulate", jobs);
+    return jobs;
+  }
   const std::vector<Job> render = maker.render(jobs.front().id);
   jobs.insert(jobs.end(), render.begin(), render.end());
   jobs.push_back(maker.finish(jobs));
@@ -121,7 +148,7 @@ Job collecting_job(const StudyRequest& request, const JobGraph& graph) {
   job.stage = "sheet";
   job.arguments = request.collect;
   for (const Job& other : graph.jobs) {
-    const bool last_of_its_variant = other.stage == "finish" || request.stages == StudyStages::simulate;
+    const bool last_of_its_variant = other.stage == "finish" || request.stages != StudyStages::pictures;
     if (last_of_its_variant)
       job.after.push_back(other.id);
   }

@@ -1,6 +1,7 @@
 #include "pipeline/study/study_result.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "pipeline/cache/frame_cache.h"
 #include "pipeline/cache/verified_folder.h"
@@ -13,11 +14,40 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void take_record(const JobRecord& record, StudyRow& row) {
-  row.wall_seconds += record.wall_seconds;
-  row.cpu_seconds += record.cpu_seconds;
-  row.peak_bytes = std::max(row.peak_bytes, record.peak_bytes);
+double median_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
+
+/// Sums up what a variant's jobs took; repeats count by their median.
+class Timing {
+public:
+  void take(const Job& job, const JobRecord& record, StudyRow& row) {
+    row.peak_bytes = std::max(row.peak_bytes, record.peak_bytes);
+    if (job.stage.starts_with("timing-")) {
+      m_cpu.push_back(record.cpu_seconds);
+      m_wall.push_back(record.wall_seconds);
+    } else {
+      row.cpu_seconds += record.cpu_seconds;
+      row.wall_seconds += record.wall_seconds;
+    }
+  }
+
+  void finish(StudyRow& row) {
+    if (m_cpu.empty())
+      return;
+    m_cpu.push_back(row.cpu_seconds);
+    m_wall.push_back(row.wall_seconds);
+    row.cpu_seconds = median_of(m_cpu);
+    row.wall_seconds = median_of(m_wall);
+    const auto [least, most] = std::minmax_element(m_cpu.begin(), m_cpu.end());
+    row.timing_spread = row.cpu_seconds > 0.0 ? (*most - *least) / row.cpu_seconds : 0.0;
+  }
+
+private:
+  std::vector<double> m_cpu, m_wall;
+};
 
 /// What a job that did not end with 0 means for its variant.
 void take_failure(const Job& job, const JobRecord& record, StudyRow& row) {
@@ -65,6 +95,7 @@ Status verify_outputs(const StudyRequest& request, const StudyRow& row) {
 
 void read_outcome(const StudyRequest& request, const std::vector<Job>& jobs, StudyRow& row) {
   row.outcome = StudyOutcome::done;
+  Timing timing;
   for (const Job& job : jobs) {
     const Result<JobRecord> record = read_job_record(job);
     if (!record) {
@@ -72,12 +103,13 @@ void read_outcome(const StudyRequest& request, const std::vector<Job>& jobs, Stu
       row.reason = job.stage + " was not run";
       break;
     }
-    take_record(*record, row);
+    timing.take(job, *record, row);
     if (record->exit_code != 0) {
       take_failure(job, *record, row);
       break;
     }
   }
+  timing.finish(row);
   if (is_finished(row.outcome)) {
     if (const Status whole = verify_outputs(request, row); !whole) {
       row.outcome = StudyOutcome::failed;

@@ -72,6 +72,7 @@ private:
   void report_energies(const Trial& trial, StepStats& stats);
   Trial trial_at_rest_in_state() const;
   Error give_up(double dt, const NewtonReport& report) const;
+  std::string describe_inverted() const;
 
   FemPlan m_plan;
   Threads m_threads;
@@ -427,6 +428,29 @@ void Simulation::report_energies(const Trial& trial, StepStats& stats) {
   }
 }
 
+/// "; body 'skin': tet 12 (vertices 3 4 5 9) has turned inside out, and the energy of its material is infinite there",
+/// of the first tet with no volume left or the wrong sign; empty where there is none.
+std::string Simulation::describe_inverted() const {
+  for (std::size_t i = 0; i < m_plan.bodies.size(); ++i) {
+    const FemBody& body = m_plan.bodies[i];
+    if (is_plate(body.element))
+      continue;
+    for (Eigen::Index t = 0; t < body.mesh->tets.rows(); ++t) {
+      Mat3 edges;
+      for (int k = 0; k < 3; ++k)
+        edges.col(k) = (m_state.positions.row(m_scene.model.bodies[i].first_node + body.mesh->tets(t, k + 1)) -
+                        m_state.positions.row(m_scene.model.bodies[i].first_node + body.mesh->tets(t, 0)))
+                           .transpose();
+      if (const double volume = edges.determinant() / 6.0; !(volume > 0.0))
+        return fmt::format("; body '{}': tet {} (vertices {} {} {} {}) has the volume {:.3g} m^3: a material with a "
+                           "logarithm of it cannot come back from there",
+                           body.name, t, body.mesh->tets(t, 0), body.mesh->tets(t, 1), body.mesh->tets(t, 2),
+                           body.mesh->tets(t, 3), volume);
+    }
+  }
+  return {};
+}
+
 Error Simulation::give_up(double dt, const NewtonReport& report) const {
   return make_error(
       ErrorCode::solver,
@@ -435,7 +459,9 @@ Error Simulation::give_up(double dt, const NewtonReport& report) const {
       "fem.max_time_step, more fem.max_newton_iterations, a larger fem.newton_tolerance, or softer loads{}",
       m_state.time, report.trouble, dt, m_plan.settings.min_time_step, report.residual, report.iterations,
       m_plan.settings.newton_tolerance, report.round_off_floor,
-      m_contact_system && !m_contact_system->describe_limit().empty() ? "; " + m_contact_system->describe_limit() : "");
+      (m_contact_system && !m_contact_system->describe_limit().empty() ? "; " + m_contact_system->describe_limit()
+                                                                       : "") +
+          (report.trouble == ENERGY_NOT_FINITE ? describe_inverted() : ""));
 }
 
 SceneStatic Simulation::scene_static() const {

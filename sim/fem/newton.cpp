@@ -24,6 +24,9 @@ constexpr double ARMIJO = 1e-4;
 constexpr int MAX_HALVINGS = 50;
 /// Relative to the sum of the absolute terms: energy changes below this are round-off and decide nothing.
 constexpr double ENERGY_NOISE = 1e-13;
+/// The same where the gradient tells of clear progress: it falls to this share.
+constexpr double STIFF_ENERGY_NOISE = 1e-9;
+constexpr double STIFF_PROGRESS = 0.25;
 /// A residual that no longer falls is taken for converged below this multiple of the round-off estimate.
 constexpr double FLOOR_MARGIN = 32.0;
 
@@ -63,7 +66,7 @@ public:
   NewtonReport run() {
     evaluate(m_trial, m_now);
     if (!std::isfinite(m_now.energy) || !std::isfinite(m_now.residual))
-      return give_up("the energy is not finite at the start of the step");
+      return give_up(ENERGY_NOT_FINITE);
     for (;;) {
       const bool arrived = advance_prescribed();
       if (!std::isfinite(m_now.energy) || !std::isfinite(m_now.residual))
@@ -297,8 +300,11 @@ private:
     if (change <= ARMIJO * fraction * m_slope)
       return true;
     // Round-off hides the decrease: let the gradient decide.
-    const bool hidden = std::abs(change) <= ENERGY_NOISE * std::max(m_now.magnitude, m_tried.magnitude);
-    return hidden && m_tried.residual <= m_now.residual;
+    const double magnitude = std::max(m_now.magnitude, m_tried.magnitude);
+    if (std::abs(change) <= ENERGY_NOISE * magnitude && m_tried.residual <= m_now.residual)
+      return true;
+    // Energies of stiff matter cancel to far less than what they are made of, and are noisier than their size tells.
+    return std::abs(change) <= STIFF_ENERGY_NOISE * magnitude && m_tried.residual <= STIFF_PROGRESS * m_now.residual;
   }
 
   /// Bounds friction when Newton leaps to and fro between sticking and sliding, longer each time it happens.

@@ -31,6 +31,9 @@ struct NewtonReport {
   double evaluate_ms = 0.0, assemble_ms = 0.0, solve_ms = 0.0;
 };
 
+/// NewtonReport::trouble where nothing could even begin.
+inline constexpr const char* ENERGY_NOT_FINITE = "the energy is not finite at the start of the step";
+
 /// The work of both; convergence, residual and trouble are those of the later one.
 NewtonReport sum_of(const NewtonReport& earlier, const NewtonReport& later);
 

@@ -87,8 +87,11 @@ Result<ChosenMethod> choose_linear_method(const FemPlan& plan, const FemScene& s
   }
   SolverDecision decision = choose_solver(demand);
   Result<ChosenMethod> chosen = make(decision.solver, std::move(decision.reason), matrix, threads);
-  if (chosen)
-    chosen->choice.seconds_per_direction = decision.seconds_per_direction;
+  if (!chosen)
+    return chosen;
+  chosen->choice.seconds_per_direction = decision.seconds_per_direction;
+  if (decision.iterations_worth_a_factor > 0)
+    chosen->method = make_pcg_or_factor(matrix, threads, decision.iterations_worth_a_factor);
   return chosen;
 }
 

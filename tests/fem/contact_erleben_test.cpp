@@ -89,7 +89,7 @@ TEST(ErlebenScenes, AllRunThroughWithoutIntersecting) {
       fix_body(plan, i);
     plan.contact = ContactOptions{true, true, {0.3, 0.3}, {}};
     plan.settings.contact_distance = 2e-3;
-    const Outcome outcome = run_and_check(plan, 0.2);
+    const Outcome outcome = run_and_check(plan, 0.2, scene.name);
     EXPECT_EQ(outcome.error, "") << scene.name;
     EXPECT_EQ(outcome.intersection, "") << scene.name;
     EXPECT_GT(outcome.contacts, 0) << scene.name;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/extreme_table.h"
 #include "tests/fem/contact_scene_support.h"
 
 namespace wry::fem {
@@ -26,7 +27,8 @@ class FastBox : public ::testing::TestWithParam<std::tuple<double, double>> {};
 
 TEST_P(FastBox, NeverPassesAThinFloor) {
   const auto [speed, thickness] = GetParam();
-  const Outcome outcome = run_and_check(box_onto_floor(speed, thickness), 2.0 / 24.0);
+  const Outcome outcome = run_and_check(box_onto_floor(speed, thickness), 2.0 / 24.0,
+                                        fmt::format("box at {:g} m/s onto a floor of {:g} m", speed, thickness));
   EXPECT_EQ(outcome.intersection, "");
   EXPECT_EQ(outcome.error, "");
   EXPECT_GT(outcome.contacts, 0);
@@ -39,7 +41,8 @@ INSTANTIATE_TEST_SUITE_P(Extremes, FastBox,
 
 TEST(ContactExtremes, SheetsAtAnySpeedDoNotTunnel) {
   for (const double speed : {10.0, 100.0, 1000.0}) {
-    const Outcome outcome = run_and_check(box_onto_floor(speed, 0.002, 0.002), 2.0 / 24.0);
+    const Outcome outcome =
+        run_and_check(box_onto_floor(speed, 0.002, 0.002), 2.0 / 24.0, fmt::format("sheet at {:g} m/s", speed));
     EXPECT_EQ(outcome.intersection, "") << speed;
     EXPECT_EQ(outcome.error, "") << speed;
     EXPECT_GT(outcome.contacts, 0) << speed;
@@ -63,16 +66,16 @@ FemPlan box_over_slab(double gap) {
 
 TEST(ContactExtremes, TinyGapsAtTheStartAreKeptOrRefusedByName) {
   for (const double gap : {1e-4, 1e-8}) {
-    const Outcome outcome = run_and_check(box_over_slab(gap), 0.05);
+    const Outcome outcome = run_and_check(box_over_slab(gap), 0.05, fmt::format("a gap of {:g} m at the start", gap));
     EXPECT_EQ(outcome.intersection, "") << gap;
     EXPECT_EQ(outcome.error, "") << gap;
   }
   // The barrier of such a gap is so stiff that conjugate gradients alone may give up; a direct solver does not.
-  const Outcome tiny = run_and_check(box_over_slab(1e-12), 0.05);
+  const Outcome tiny = run_and_check(box_over_slab(1e-12), 0.05, "a gap of 1e-12 m at the start");
   EXPECT_EQ(tiny.intersection, "");
   EXPECT_TRUE(tiny.error.empty() || tiny.error.find("no step from t") != std::string::npos) << tiny.error;
   for (const double gap : {1e-16, 0.0, -1e-3}) {
-    const Outcome outcome = run_and_check(box_over_slab(gap), 0.05);
+    const Outcome outcome = run_and_check(box_over_slab(gap), 0.05, fmt::format("a gap of {:g} m at the start", gap));
     EXPECT_NE(outcome.error.find("at the start"), std::string::npos) << gap << outcome.error;
     EXPECT_EQ(outcome.steps, 0);
   }
@@ -87,7 +90,7 @@ TEST(ContactExtremes, HeavyRestsOnLight) {
     plan.bodies[1].material.density = 1000.0 * ratio;
     plan.planes.push_back({"ground", Vec3::Zero(), Vec3::UnitY(), 0.5});
     plan.contact = ContactOptions{};
-    const Outcome outcome = run_and_check(plan, 0.05);
+    const Outcome outcome = run_and_check(plan, 0.05, fmt::format("{:g} times heavier on light", ratio));
     EXPECT_EQ(outcome.intersection, "") << ratio;
     EXPECT_EQ(outcome.error, "") << ratio;
     EXPECT_GT(outcome.contacts, 0) << ratio;
@@ -98,7 +101,7 @@ TEST(ContactExtremes, AnyDhatWorksEvenWhenItIsLargerThanTheGapOrTheEdge) {
   for (const double share : {1.0, 1e-2, 1e-4, 1e-6}) {
     FemPlan plan = box_over_slab(0.004);
     plan.settings.contact_distance = 0.2 * share;
-    const Outcome outcome = run_and_check(plan, 0.1);
+    const Outcome outcome = run_and_check(plan, 0.1, fmt::format("d-hat {:g} of the size", share));
     EXPECT_EQ(outcome.intersection, "") << share;
     EXPECT_EQ(outcome.error, "") << share;
   }
@@ -110,7 +113,7 @@ TEST(ContactExtremes, FiveNewtonIterationsMakeShorterStepsButNoIntersection) {
   plan.settings.max_time_step = 0.01;
   plan.settings.newton_tolerance = 1e-3;
   plan.settings.min_time_step = 1e-6;
-  const Outcome outcome = run_and_check(plan, 0.12);
+  const Outcome outcome = run_and_check(plan, 0.12, "five Newton iterations at most");
   EXPECT_EQ(outcome.intersection, "");
   EXPECT_TRUE(outcome.error.empty() || outcome.error.find("last good state") != std::string::npos) << outcome.error;
 }
@@ -141,7 +144,9 @@ TEST(ContactExtremes, ABallOfTetsRestsOnPinsOfSinglePointsAndSegments) {
     plan.obstacles.push_back(mesh_collider("pins", vertices, triangles));
     const std::unique_ptr<FemSimulation> simulation = simulate(plan);
     ASSERT_NE(simulation, nullptr);
-    run_until(*simulation, 0.3);
+    const int steps = run_until(*simulation, 0.3);
+    wry::test::note_extreme("contact", segments ? "a box on pins of segments" : "a box on pins of points",
+                            {"holds", steps, 0, 0, 0.0, ""});
     EXPECT_GT(positions_of(*simulation).col(1).mean(), 0.04) << segments;
     EXPECT_LT(positions_of(*simulation).col(1).mean(), 0.0625) << segments;
   }
@@ -160,8 +165,15 @@ TEST(ContactExtremes, AMeshThatJumpsThroughABodyPushesItOrStopsTheRun) {
   const Result<std::unique_ptr<FemSimulation>> made = FemSimulation::create(plan, 1, native_isa());
   ASSERT_TRUE(made);
   FemSimulation& simulation = **made;
+  wry::test::ExtremeRow row;
   while (simulation.time() < 0.02) {
     const Result<StepStats> stats = simulation.step(0.02);
+    row.steps += stats ? 1 : 0;
+    row.iterations += stats ? stats->newton_iterations : 0;
+    row.cuts += stats ? stats->cuts : 0;
+    row.worst_residual = std::max(row.worst_residual, stats ? stats->residual : 0.0);
+    row.outcome = !stats ? "refuses" : row.cuts > 0 ? "shorter steps" : "holds";
+    row.said = stats ? "" : stats.error().message;
     if (!stats) {
       EXPECT_NE(stats.error().message.find("last good state is kept"), std::string::npos);
       break;
@@ -169,6 +181,7 @@ TEST(ContactExtremes, AMeshThatJumpsThroughABodyPushesItOrStopsTheRun) {
     const double blade_front = -0.04 + 60.0 * std::min(simulation.time(), 0.01);
     ASSERT_GT(positions_of(simulation).col(0).minCoeff(), blade_front) << simulation.time();
   }
+  wry::test::note_extreme("contact", "a mesh that jumps through a body", row);
 }
 
 scene::Collider moving_plate(const std::string& name, double height, double way) {
@@ -193,7 +206,7 @@ TEST(ContactExtremes, ABoxIsSqueezedToAHundredthAndTheRunStopsBeforeThePlatesCro
   plan.settings.max_time_step = 0.02;
   plan.settings.contact_distance = 2e-4;
   plan.settings.min_time_step = 1e-5;
-  const Outcome outcome = run_and_check(plan, 1.2);
+  const Outcome outcome = run_and_check(plan, 1.2, "squeezed to a hundredth, then the plates cross");
   EXPECT_EQ(outcome.intersection, "");
   EXPECT_GT(outcome.reached, 0.999);
   EXPECT_LT(outcome.reached, 1.1);
@@ -217,7 +230,7 @@ TEST(ContactExtremes, ADriveThatLeadsThroughAnObstacleStopsTheRunAndSaysSo) {
       {{{0.0, Vec3::Zero(), Vec3::UnitY(), 0.0}, {0.1, Vec3(0.3, 0, 0), Vec3::UnitY(), 0.0}}, Vec3::Zero()});
   plan.driven.push_back(drive);
   plan.settings.min_time_step = 1e-4;
-  const Outcome outcome = run_and_check(plan, 0.1);
+  const Outcome outcome = run_and_check(plan, 0.1, "a drive that leads through an obstacle");
   EXPECT_NE(outcome.error.find("a drive leads through an obstacle"), std::string::npos) << outcome.error;
   EXPECT_NE(outcome.error.find("last good state is kept"), std::string::npos) << outcome.error;
   // 0.09 m of way at 3 m/s before the wall.

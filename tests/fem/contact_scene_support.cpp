@@ -6,6 +6,7 @@
 
 #include "sim/contact/crossings.h"
 #include "sim/geometry/tet_mesh.h"
+#include "tests/extreme_table.h"
 
 namespace wry::fem::test {
 
@@ -55,9 +56,11 @@ std::string find_intersection(const FemPlan& plan, const FemSimulation& simulati
                      crossings[0].triangle[0], crossings[0].triangle[1], crossings[0].triangle[2]);
 }
 
-Outcome run_and_check(const FemPlan& plan, double end, int threads) {
+namespace {
+
+Outcome run_until_crossing(const FemPlan& plan, double end) {
   Outcome outcome;
-  Result<std::unique_ptr<FemSimulation>> simulation = FemSimulation::create(plan, threads, native_isa());
+  Result<std::unique_ptr<FemSimulation>> simulation = FemSimulation::create(plan, 1, native_isa());
   if (!simulation) {
     outcome.error = simulation.error().message;
     return outcome;
@@ -71,11 +74,29 @@ Outcome run_and_check(const FemPlan& plan, double end, int threads) {
       return outcome;
     }
     ++outcome.steps;
+    outcome.iterations += stats->newton_iterations;
+    outcome.cuts += stats->cuts;
+    outcome.worst_residual = std::max(outcome.worst_residual, stats->residual);
     outcome.contacts = std::max(outcome.contacts, stats->contacts);
     outcome.least_gap = std::min(outcome.least_gap, stats->least_distance);
     if (!outcome.intersection.empty())
       return outcome;
   }
+  return outcome;
+}
+
+} // namespace
+
+Outcome run_and_check(const FemPlan& plan, double end, const std::string& name) {
+  const Outcome outcome = run_until_crossing(plan, end);
+  if (name.empty())
+    return outcome;
+  const char* word = !outcome.intersection.empty() ? "INTERSECTS"
+                     : !outcome.error.empty()      ? "refuses"
+                     : outcome.cuts > 0            ? "shorter steps"
+                                                   : "holds";
+  wry::test::note_extreme(
+      "contact", name, {word, outcome.steps, outcome.iterations, outcome.cuts, outcome.worst_residual, outcome.error});
   return outcome;
 }
 

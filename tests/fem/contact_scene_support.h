@@ -19,13 +19,17 @@ std::string find_intersection(const FemPlan& plan, const FemSimulation& simulati
 struct Outcome {
   double reached = 0.0; ///< [s]
   int steps = 0;
-  int contacts = 0;         ///< the most at the end of a step
-  double least_gap = 1e300; ///< over all steps [m]
-  std::string error;        ///< why it stopped early
-  std::string intersection; ///< must be empty, whatever the error
+  int iterations = 0; ///< of Newton
+  int cuts = 0;
+  double worst_residual = 0.0; ///< [N s]
+  int contacts = 0;            ///< the most at the end of a step
+  double least_gap = 1e300;    ///< over all steps [m]
+  std::string error;           ///< why it stopped early
+  std::string intersection;    ///< must be empty, whatever the error
 };
-/// Steps until `end` or an error, looking for intersections after every step.
-Outcome run_and_check(const FemPlan& plan, double end, int threads = 1);
+/// Steps until `end` or an error, looking for intersections after every step. With a name it is a case of the extreme
+/// suite.
+Outcome run_and_check(const FemPlan& plan, double end, const std::string& name = "");
 
 /// Fixes all vertices of a body.
 void fix_body(FemPlan& plan, int body);

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "tests/extreme_table.h"
 #include "tests/fem/solid_support.h"
 
 namespace wry::fem {
@@ -63,9 +64,11 @@ Slide slide(double friction) {
   plan.gravity = 9.81 * Vec3(std::sin(angle), -std::cos(angle), 0);
   const std::unique_ptr<FemSimulation> simulation = simulate(plan);
   const double start = positions_of(*simulation).col(0).mean();
-  run_until(*simulation, 0.5);
+  int steps = run_until(*simulation, 0.5);
   const double speed = channel_of(*simulation, "velocity").col(0).mean();
-  run_until(*simulation, 1.0);
+  steps += run_until(*simulation, 1.0);
+  wry::test::note_extreme("contact", fmt::format("friction {:g} on a slope of tan 0.5", friction),
+                          {"holds", steps, 0, 0, 0.0, ""});
   return {positions_of(*simulation).col(0).mean() - start, channel_of(*simulation, "velocity").col(0).mean() - speed};
 }
 
@@ -76,6 +79,8 @@ TEST(FemContact, ABlockOnASlopeSticksIfFrictionReachesTheTangent) {
   EXPECT_NEAR(slide(0.5).speed_gained, 0.0, 5e-4);
   EXPECT_LT(slide(0.51).way, 2e-3);
   EXPECT_LT(slide(1.0).way, 1e-3);
+  EXPECT_LT(slide(10.0).way, 1e-3);
+  EXPECT_NEAR(slide(0.0).speed_gained, 0.5 * 9.81 * std::sin(std::atan(0.5)), 0.01);
 }
 
 TEST(FemContact, ABodyBelowThePlaneIsRefusedByName) {

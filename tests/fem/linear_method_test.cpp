@@ -1,5 +1,6 @@
 #include "sim/fem/linear/linear_method.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Dense>
@@ -183,6 +184,40 @@ TEST_P(EveryLinearMethod, NoticesThatAMatrixIsIndefinite) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryLinearMethod, ::testing::ValuesIn(solvers_of_this_build()));
+
+TEST(PcgOrFactor, HandsOverWhatTakesTooLongAndGoesOnWithTheSameBits) {
+  const Threads threads(1);
+  System system(native_isa());
+  const std::vector<LinearSolver> solvers = solvers_of_this_build();
+  const bool has_factor = std::find(solvers.begin(), solvers.end(), LinearSolver::stale_cholesky) != solvers.end();
+  const std::vector<Mat3> turns(2 * System::NODES, Mat3::Identity());
+  const std::function<const std::vector<Mat3>&()> rotations = [&]() -> const std::vector<Mat3>& { return turns; };
+  const auto solve = [&](LinearMethod& method, std::vector<double>& x) {
+    return method.solve({*system.matrix, system.right_side, 1e-9, rotations}, x);
+  };
+  std::vector<double> by_pcg, x, again;
+  const int needed = solve(*make_block_jacobi_pcg(*system.matrix, threads), by_pcg).iterations;
+  const std::unique_ptr<LinearMethod> patient = make_pcg_or_factor(*system.matrix, threads, 2 * needed);
+  EXPECT_EQ(solve(*patient, x).end, SolveEnd::solved);
+  EXPECT_EQ(x, by_pcg) << "what iterations can do is left to them";
+  EXPECT_EQ(patient->memory_bytes(), 0u);
+  const std::unique_ptr<LinearMethod> hasty = make_pcg_or_factor(*system.matrix, threads, 3);
+  const SolveReport first = solve(*hasty, x);
+  EXPECT_EQ(first.end, has_factor ? SolveEnd::solved : SolveEnd::unfinished);
+  if (!has_factor)
+    return;
+  EXPECT_LT(difference(system.times(x), system.right_side), 1e-8);
+  EXPECT_EQ(first.iterations, 3 + 1);
+  StateArchive archive;
+  hasty->save(archive);
+  const std::unique_ptr<LinearMethod> resumed = make_pcg_or_factor(*system.matrix, threads, 3);
+  ASSERT_TRUE(resumed->restore(archive));
+  for (int i = 0; i < 3; ++i) {
+    system.matrix->sections()[0].values[0] += 2.0;
+    EXPECT_EQ(solve(*hasty, x).iterations, solve(*resumed, again).iterations);
+    EXPECT_EQ(x, again) << "the hand-over outlives a checkpoint";
+  }
+}
 
 TEST(BlockJacobiPcg, GoesOnDownhillAlongNegativeCurvature) {
   System system(native_isa());

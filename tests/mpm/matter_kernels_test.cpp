@@ -9,6 +9,7 @@
 #include "sim/mpm/matter/constitutive_reference.h"
 #include "sim/mpm/matter/plastic_law.h"
 #include "sim/mpm/matter/stretch.h"
+#include "tests/extreme_table.h"
 #include "tests/mpm/matter_tiles_support.h"
 
 namespace wry::mpm {
@@ -237,6 +238,7 @@ TEST(MatterKernels, AFlattenedParticleKeepsItsDigits) {
     EXPECT_NEAR(samples[0].tau(0, 0), expected, 1e-9 * expected);
     EXPECT_NEAR(samples[0].tau(1, 1), -expected, 1e-9 * expected);
   }
+  wry::test::note_extreme("particles", "F of diag(1e3, 1e-3, 1)", {});
 }
 
 TEST(MatterKernels, AnInvertedOrBrokenParticleIsNamed) {
@@ -253,6 +255,8 @@ TEST(MatterKernels, AnInvertedOrBrokenParticleIsNamed) {
       EXPECT_EQ(test::run_kernel<double>(material, isa, 1e-3, samples).failed_lane, 7);
     }
   }
+  wry::test::note_extreme("particles", "F inverted, or not a number",
+                          {"refuses", 0, 0, 0, 0.0, "the particle is named"});
 }
 
 TEST(MatterKernels, ALaneDoesNotFeelItsNeighbours) {

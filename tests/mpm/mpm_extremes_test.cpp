@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "tests/extreme_table.h"
 #include "tests/mpm/mpm_support.h"
 
 namespace wry::mpm {
@@ -32,6 +33,11 @@ MpmPlan one_box(const Material& material, Precision precision = Precision::f64, 
   return plan;
 }
 
+/// A case of the extreme suite that ran to its end, or (with words) that was refused.
+void note(const std::string& name, int steps, const std::string& said = "", const char* outcome = "holds") {
+  wry::test::note_extreme("particles", name, {said.empty() ? outcome : "refuses", steps, 0, 0, 0.0, said});
+}
+
 /// The box is where it should be: on the floor, not thrown about.
 void expect_at_rest_on_floor(const MpmSimulation& simulation) {
   const Points x = channel_of(simulation, 0, "position");
@@ -57,6 +63,7 @@ TEST(Extremes, StiffnessAlongTheFibreFrom1To1e6Times) {
       const Result<StepStats> stats = simulation->step(10.0);
       ASSERT_TRUE(stats.ok()) << ratio << ": " << stats.error().message;
     }
+    note(fmt::format("{:g} times stiffer along the fibre", ratio), 200);
     expect_at_rest_on_floor(*simulation);
   }
 }
@@ -72,7 +79,8 @@ TEST(Extremes, StepsOf1To10TimesTheLimitAreCutAndSaidSo) {
     EXPECT_NEAR(stats->given_over_stable, factor, 1e-9);
     EXPECT_LE(stats->dt, stable * (1.0 + 1e-9));
     EXPECT_EQ(stats->limit, factor <= 1.0 ? StepLimit::given : StepLimit::wave);
-    run_to(*simulation, 0.2);
+    const int steps = run_to(*simulation, 0.2);
+    note(fmt::format("dt of {:g} times the limit", factor), steps, "", factor > 1.0 ? "shorter steps" : "holds");
     expect_at_rest_on_floor(*simulation);
   }
 }
@@ -81,7 +89,8 @@ TEST(Extremes, From1To1000ParticlesPerCell) {
   for (const double per_cell : {1.0, 8.0, 64.0, 1000.0}) {
     const std::unique_ptr<MpmSimulation> simulation = make(one_box(elastic(), Precision::f32, per_cell));
     const double end = per_cell > 100 ? 0.02 : 0.2;
-    run_to(*simulation, end);
+    const int steps = run_to(*simulation, end);
+    note(fmt::format("{:g} per cell", per_cell), steps);
     expect_at_rest_on_floor(*simulation);
     EXPECT_NEAR(simulation->totals().mass, 8.0, 1e-3);
   }
@@ -96,7 +105,8 @@ TEST(Extremes, OneParticleFallsAndLands) {
   const std::unique_ptr<MpmSimulation> simulation = make(std::move(plan));
   run_to(*simulation, 0.2);
   EXPECT_NEAR(channel_of(*simulation, 0, "position")(0, 2), 0.3 - 0.5 * 9.81 * 0.04, 0.01);
-  run_to(*simulation, 1.0);
+  const int steps = run_to(*simulation, 1.0);
+  note("one particle", steps);
   EXPECT_NEAR(channel_of(*simulation, 0, "position")(0, 2), 0.0, CELL);
 }
 
@@ -105,6 +115,7 @@ TEST(Extremes, NoParticleIsAnErrorThatNamesTheBody) {
   plan.bodies[0].positions = std::make_shared<const Points>(Points(0, 3));
   const Result<std::unique_ptr<MpmSimulation>> made = MpmSimulation::create(std::move(plan), 1, native_isa());
   ASSERT_FALSE(made.ok());
+  note("no particle", 0, made.error().message);
   EXPECT_NE(made.error().message.find("body box"), std::string::npos);
 }
 
@@ -116,7 +127,8 @@ TEST(Extremes, ParticleThatLeavesGoesOnForEver) {
   plan.bodies[0].positions = std::make_shared<const Points>(points);
   plan.bodies[0].initial_velocity = Vec3(3, -2, 1);
   const std::unique_ptr<MpmSimulation> simulation = make(std::move(plan));
-  run_to(*simulation, 1.0);
+  const int steps = run_to(*simulation, 1.0);
+  note("a particle that leaves", steps);
   const Vec3 now = channel_of(*simulation, 0, "position").row(0);
   EXPECT_LT((now - Vec3(8, 3, 6)).norm(), 1e-4);
 }
@@ -128,7 +140,8 @@ TEST(Extremes, ParticleAt1e9MetresIsAsGoodAsAnother) {
     points.row(0) << 1e9, -1e9, 1e9;
     plan.bodies[0].positions = std::make_shared<const Points>(points);
     const std::unique_ptr<MpmSimulation> simulation = make(std::move(plan));
-    run_to(*simulation, 0.1);
+    const int steps = run_to(*simulation, 0.1);
+    note(precision == Precision::f32 ? "a particle at 1e9 m, f32" : "a particle at 1e9 m, f64", steps);
     const Points now = channel_of(*simulation, 0, "position");
     EXPECT_LT((now.row(0) - points.row(0)).norm(), 0.06);
     EXPECT_LT(now.bottomRows(now.rows() - 1).cwiseAbs().maxCoeff(), 0.3);
@@ -144,6 +157,7 @@ TEST(Extremes, ParticleThatIsNowhereIsAnErrorThatNamesIt) {
     plan.bodies[0].positions = std::make_shared<const Points>(points);
     const Result<std::unique_ptr<MpmSimulation>> made = MpmSimulation::create(std::move(plan), 1, native_isa());
     ASSERT_FALSE(made.ok());
+    note(fmt::format("a particle at {:g} m", bad), 0, made.error().message);
     EXPECT_NE(made.error().message.find("particle 7"), std::string::npos) << made.error().message;
   }
 }
@@ -160,7 +174,8 @@ TEST(Extremes, ParticlesExactlyOnTheFloorOnNodesAndBetweenBlocksStayWhereTheyAre
         -4 * CELL, -0.5 * CELL, 4 * CELL;
     plan.bodies[0].positions = std::make_shared<const Points>(points);
     const std::unique_ptr<MpmSimulation> simulation = make(std::move(plan));
-    run_to(*simulation, 0.1);
+    const int steps = run_to(*simulation, 0.1);
+    note(precision == Precision::f32 ? "particles on the boundary, f32" : "particles on the boundary, f64", steps);
     EXPECT_EQ(channel_of(*simulation, 0, "position"), points);
   }
 }
@@ -176,10 +191,13 @@ TEST(Extremes, OneKilometrePerSecondIntoTheFloor) {
       plan.bodies[0].initial_velocity = Vec3(100, 0, -1000);
       const std::unique_ptr<MpmSimulation> simulation = make(std::move(plan));
       Status status;
-      for (int step = 0; step < 400 && status.ok(); ++step) {
+      int steps = 0;
+      for (; steps < 400 && status.ok(); ++steps) {
         const Result<StepStats> stats = simulation->step(1.0);
         status = stats.ok() ? Status() : Status(stats.error());
       }
+      note(fmt::format("1 km/s into the floor, E {:g} Pa, {}", modulus, precision == Precision::f32 ? "f32" : "f64"),
+           steps, status.ok() ? "" : status.error().message);
       ASSERT_TRUE(modulus < 1e9 || status.ok()) << status.error().message;
       if (!status.ok()) {
         EXPECT_EQ(status.error().code, ErrorCode::solver);
@@ -206,7 +224,8 @@ TEST(Extremes, TenSecondsOfSpinningFlightKeepTheSpin) {
     return Vec3(t.angular_momentum - centre.cross(t.momentum)).z();
   };
   const double before = spin(*simulation);
-  run_to(*simulation, 10.0);
+  const int steps = run_to(*simulation, 10.0);
+  note("ten seconds of spinning flight", steps);
   EXPECT_NEAR(spin(*simulation), before, 1e-8 * std::abs(before));
   const Points x = channel_of(*simulation, 0, "position");
   const Vec3 centre = x.colwise().mean();
@@ -233,7 +252,8 @@ TEST(TurnedScene, GivesTheSameCollapseWithinDiscretisation) {
     floor->contact = scene::ColliderContact::sticky;
     plan.colliders = {floor};
     const std::unique_ptr<MpmSimulation> simulation = make(std::move(plan));
-    run_to(*simulation, 0.5);
+    const int steps = run_to(*simulation, 0.5);
+    note(turned == 1 ? "a scene turned by 37 degrees about (1, 1, 1)" : "the same scene upright", steps);
     const Points x = channel_of(*simulation, 0, "position") * rotation;
     spread[static_cast<std::size_t>(turned)] =
         Vec3(quantile(x.col(0).cwiseAbs(), 0.98), quantile(x.col(1).cwiseAbs(), 0.98), quantile(x.col(2), 0.98));

@@ -52,12 +52,15 @@ MpmPlan column_plan(const Material& material, Precision precision) {
   return plan;
 }
 
-void run_to(MpmSimulation& simulation, double end) {
+int run_to(MpmSimulation& simulation, double end) {
+  int steps = 0;
   while (simulation.time() < end) {
     const Result<StepStats> stats = simulation.step(end);
     if (!stats)
       throw std::runtime_error(stats.error().message);
+    ++steps;
   }
+  return steps;
 }
 
 std::unique_ptr<MpmSimulation> make(MpmPlan plan, int threads) {

@@ -16,8 +16,8 @@ MpmPlan column_plan(const Material& material, Precision precision);
 /// Its material: Hencky, Drucker-Prager 35 degrees, E 5e4, nu .3, 1500 kg/m^3.
 Material column_material();
 
-/// Steps to a time; ends the test program with the error's message when a step fails.
-void run_to(MpmSimulation& simulation, double end);
+/// Steps to a time and says in how many; ends the test program with the error's message when a step fails.
+int run_to(MpmSimulation& simulation, double end);
 
 /// Makes a simulation; ends the test program with the error's message when it cannot be.
 std::unique_ptr<MpmSimulation> make(MpmPlan plan, int threads = 1);

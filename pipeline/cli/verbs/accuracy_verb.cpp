@@ -10,6 +10,7 @@
 #include "pipeline/report/html.h"
 #include "pipeline/report/readable.h"
 #include "pipeline/study/accuracy.h"
+#include "pipeline/study/study_jobs.h"
 #include "pipeline/study/study_table.h"
 #include "shots/ladders.h"
 
@@ -51,16 +52,16 @@ std::string remarks_text(const AccuracyReport& report) {
   return text;
 }
 
-Status write_page(const ShotSession& session, const StudyRequest& request, const AccuracyReport& report,
-                  const std::vector<Plot>& plots) {
-  HtmlPage page(*session.shot.shot.name + ": error against run time");
-  page.section("Recommendation");
-  for (const std::string& advice : report.advice)
-    page.paragraph(advice);
-  page.section("Plots");
-  for (const Plot& plot : plots)
-    page.plot(plot);
-  page.section("Rungs");
+/// One of the two studies behind a report: of simulations, or of pictures.
+struct JudgedStudy {
+  const char* table; ///< the file
+  shots::AccuracySection section;
+  AccuracyReport report;
+  std::vector<Plot> plots;
+};
+
+void add_rungs(const JudgedStudy& study, HtmlPage& page) {
+  const AccuracyReport& report = study.report;
   std::vector<std::string> columns = {"rung", "CPU [s]", "wall [s]", "steps", "Newton iterations"};
   columns.insert(columns.end(), report.quantities.begin(), report.quantities.end());
   columns.emplace_back("outcome");
@@ -75,9 +76,10 @@ Status write_page(const ShotSession& session, const StudyRequest& request, const
     rows.push_back(std::move(row));
   }
   page.table(columns, rows);
-  page.section("Observed orders and remarks");
-  std::vector<std::pair<std::string, std::string>> facts;
-  for (const LadderVerdict& verdict : report.verdicts) {
+}
+
+void add_remarks(const JudgedStudy& study, std::vector<std::pair<std::string, std::string>>& facts) {
+  for (const LadderVerdict& verdict : study.report.verdicts) {
     facts.emplace_back(verdict.quantity + " over " + verdict.key,
                        verdict.observed_order == verdict.observed_order
                            ? fmt::format("order {:.2f}", verdict.observed_order)
@@ -85,21 +87,46 @@ Status write_page(const ShotSession& session, const StudyRequest& request, const
     for (const std::string& remark : verdict.remarks)
       facts.emplace_back("", remark);
   }
+}
+
+Status write_page(const ShotSession& session, const StudyRequest& request, const std::vector<JudgedStudy>& studies) {
+  HtmlPage page(*session.shot.shot.name + ": error against run time");
+  page.section("Recommendation");
+  for (const JudgedStudy& study : studies) {
+    for (const std::string& advice : study.report.advice)
+      page.paragraph(advice);
+  }
+  page.section("Plots");
+  for (const JudgedStudy& study : studies) {
+    for (const Plot& plot : study.plots)
+      page.plot(plot);
+  }
+  page.section("Rungs");
+  std::vector<std::pair<std::string, std::string>> facts;
+  for (const JudgedStudy& study : studies) {
+    add_rungs(study, page);
+    add_remarks(study, facts);
+  }
+  page.section("Observed orders and remarks");
+  facts.emplace_back("times", request.repeats > 1 ? fmt::format("the median of {} runs each", request.repeats)
+                                                  : std::string("of one run each; accuracy.repeats asks for more"));
   facts.emplace_back("made by", fmt::format("wry {} accuracy {}, {}", version(), request.shot, machine_name()));
   page.facts(facts);
   return write_file_atomically(request.folder / "index.html", page.finish());
 }
 
-Status write_accuracy(const ShotSession& session, const StudyRequest& request, const shots::AccuracySection& section,
-                      const AccuracyReport& report) {
-  if (Status status = write_file_atomically(request.folder / "accuracy.csv", accuracy_csv(report)); !status)
-    return status;
-  const std::vector<Plot> plots = accuracy_plots(section, report);
-  for (std::size_t i = 0; i < plots.size(); ++i) {
-    if (Status status = write_plot((request.folder / fmt::format("plot-{:02}", i)).string(), plots[i]); !status)
+Status write_accuracy(const ShotSession& session, const StudyRequest& request,
+                      const std::vector<JudgedStudy>& studies) {
+  int number = 0;
+  for (const JudgedStudy& study : studies) {
+    if (Status status = write_file_atomically(request.folder / study.table, accuracy_csv(study.report)); !status)
       return status;
+    for (const Plot& plot : study.plots) {
+      if (Status status = write_plot((request.folder / fmt::format("plot-{:02}", number++)).string(), plot); !status)
+        return status;
+    }
   }
-  return write_page(session, request, report, plots);
+  return write_page(session, request, studies);
 }
 
 /// Particles are in single precision by default: without ladders of the shot's own, that against double precision.
@@ -121,6 +148,42 @@ Result<shots::AccuracySection> section_of(const ShotSession& session, const Invo
   return section;
 }
 
+JudgedStudy judged(const char* table, const shots::AccuracySection& section, const AccuracyStudy& plan,
+                   const std::vector<StudyRow>& rows, Compared compared) {
+  JudgedStudy study{table, section, judge_accuracy(section, plan, rows, compared), {}};
+  study.plots = accuracy_plots(section, study.report);
+  return study;
+}
+
+/// Repeats were run for their time: what they made is the same once more.
+void remove_repeats(const StudyRequest& request, const std::vector<StudyRow>& rows) {
+  for (const StudyRow& row : rows) {
+    std::error_code ignored;
+    for (int repeat = 1; repeat < request.repeats && is_finished(row.outcome); ++repeat)
+      std::filesystem::remove_all(row.folder / timing_stage(repeat), ignored);
+  }
+}
+
+/// Draws the frames of `base` once for each rung, and judges the pictures. Nothing where only the list is asked for.
+Result<std::optional<JudgedStudy>> judge_pictures(StudyRequest request, const shots::AccuracySection& section,
+                                                  const std::filesystem::path& base, const Invocation& invocation,
+                                                  std::string& failures) {
+  Result<AccuracyStudy> plan = plan_accuracy_study(section);
+  if (!plan)
+    return plan.error();
+  request.part = "pictures";
+  request.stages = StudyStages::draw;
+  request.frames_of = base;
+  const Result<std::optional<Study>> study = run_held_study(request, plan->variants, invocation);
+  if (!study)
+    return study.error();
+  if (!*study)
+    return std::optional<JudgedStudy>();
+  remove_repeats(request, (*study)->rows);
+  failures += study_failures((*study)->rows);
+  return std::optional(judged("pictures.csv", section, *plan, (*study)->rows, Compared::pictures));
+}
+
 } // namespace
 
 Status accuracy_verb(const Invocation& invocation) {
@@ -130,24 +193,45 @@ Status accuracy_verb(const Invocation& invocation) {
   const Result<shots::AccuracySection> section = section_of(*session, invocation);
   if (!section)
     return section.error();
-  Result<AccuracyStudy> plan = plan_accuracy_study(*section);
+  const SplitLadders ladders = split_ladders(*section);
+  Result<AccuracyStudy> plan = plan_accuracy_study(ladders.simulated);
   if (!plan)
     return plan.error();
   StudyRequest request = study_request(*session, invocation);
   request.folder /= "accuracy";
   request.part = "rungs";
+  request.repeats = section->repeats;
   const Result<std::optional<HeldStudy>> held = hold_study(request, plan->variants, section->frames, invocation);
   if (!held)
     return held.error();
-  if (!*held)
+  const bool listed = !*held;
+  const std::vector<StudyRow> rows = listed ? std::vector<StudyRow>() : (*held)->study.rows;
+  std::vector<JudgedStudy> studies;
+  std::string failures = study_failures(rows);
+  if (!listed) {
+    remove_repeats(request, rows);
+    studies.push_back(judged("accuracy.csv", ladders.simulated, *plan, rows, Compared::frames));
+  }
+  if (!ladders.drawn.ladders.empty()) {
+    const std::filesystem::path base =
+        listed ? request.folder / request.part / plan->variants[plan->base].id() : rows[plan->base].folder;
+    Result<std::optional<JudgedStudy>> pictures = judge_pictures(request, ladders.drawn, base, invocation, failures);
+    if (!pictures)
+      return pictures.error();
+    if (*pictures)
+      studies.push_back(std::move(**pictures));
+  }
+  if (listed)
     return {};
-  const std::vector<StudyRow>& rows = (*held)->study.rows;
-  const AccuracyReport report = judge_accuracy(*section, *plan, rows);
-  if (Status status = write_accuracy(*session, request, *section, report); !status)
+  if (Status status = write_accuracy(*session, request, studies); !status)
     return status;
+  for (const JudgedStudy& study : studies) {
+    if (!invocation.quiet && !study.report.rungs.empty())
+      fmt::print("{}\n{}\n", rung_table(study.report), remarks_text(study.report));
+  }
   if (!invocation.quiet)
-    fmt::print("{}\n{}page: {}\n", rung_table(report), remarks_text(report), (request.folder / "index.html").string());
-  if (const std::string failures = study_failures(rows); !failures.empty())
+    fmt::print("page: {}\n", (request.folder / "index.html").string());
+  if (!failures.empty())
     return make_error(ErrorCode::check_failed, "rungs that could not be run:\n{}", failures);
   return {};
 }

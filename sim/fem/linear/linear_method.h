@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -52,8 +53,10 @@ public:
   virtual std::size_t memory_bytes() const { return 0; }
 };
 
-/// Conjugate gradients, preconditioned by the inverse diagonal blocks; in float where the tolerance allows.
-std::unique_ptr<LinearMethod> make_block_jacobi_pcg(const BlockMatrix& matrix, const Threads& threads);
+/// Conjugate gradients, preconditioned by the inverse diagonal blocks; in float where the tolerance allows. After
+/// `most_iterations` of a direction, and after far fewer on small meshes, it answers with what it has: unfinished.
+std::unique_ptr<LinearMethod> make_block_jacobi_pcg(const BlockMatrix& matrix, const Threads& threads,
+                                                    int most_iterations = std::numeric_limits<int>::max());
 
 /// A new factor for each matrix. Errors: unavailable without CHOLMOD, out_of_memory.
 Result<std::unique_ptr<LinearMethod>> make_cholesky(const BlockMatrix& matrix);
@@ -61,5 +64,11 @@ Result<std::unique_ptr<LinearMethod>> make_cholesky(const BlockMatrix& matrix);
 /// Conjugate gradients, preconditioned by the factor of an earlier matrix turned along with the nodes; renewed when its
 /// iterations cost more than a factor, by counted operations. Errors: as make_cholesky.
 Result<std::unique_ptr<LinearMethod>> make_stale_cholesky(const BlockMatrix& matrix, const Threads& threads);
+
+/// Block-Jacobi conjugate gradients that hand a direction over to a stale factor when it has taken
+/// `iterations_worth_a_factor`, and the directions after it too, before they are tried again: what a mesh and its
+/// materials promise of the conditioning is sometimes not kept. Without memory for a factor it goes on without.
+std::unique_ptr<LinearMethod> make_pcg_or_factor(const BlockMatrix& matrix, const Threads& threads,
+                                                 int iterations_worth_a_factor);
 
 } // namespace wry::fem

@@ -72,6 +72,12 @@ SolverDecision choose_solver(const SolverDemand& demand) {
                   1e-9 * demand.cost.flops, 1e3 * stale);
   if (demand.contacts)
     decision.reason += "; contacts come and go, which factors do not bear well";
+  if (decision.solver == LinearSolver::pcg) {
+    const double worth = direct / block_jacobi_seconds(demand.matrix_entries, demand.unknowns);
+    decision.iterations_worth_a_factor = static_cast<int>(std::clamp(worth, 100.0, 1e6));
+    decision.reason += fmt::format("; a direction that takes {} iterations is left to a factor of {:.0f} MB",
+                                   decision.iterations_worth_a_factor, 8e-6 * demand.cost.entries);
+  }
   return decision;
 }
 

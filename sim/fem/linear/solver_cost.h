@@ -36,6 +36,8 @@ struct SolverDecision {
   LinearSolver solver = LinearSolver::pcg;
   std::string reason;
   double seconds_per_direction = 0.0; ///< predicted
+  /// With pcg: as many iterations as a factor costs. A direction that takes more is left to one. 0: there is none.
+  int iterations_worth_a_factor = 0;
 };
 SolverDecision choose_solver(const SolverDemand& demand);
 
