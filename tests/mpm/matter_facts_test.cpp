@@ -1,5 +1,4 @@
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include <Eigen/Dense>
@@ -137,10 +136,12 @@ TEST(MatterFacts, FibresAlongAcrossAndAnyhowToALoadGiveTheModulusOfTheClosedForm
     samples[0].frame = Vec4(frame.w(), frame.x(), frame.y(), frame.z());
     test::run_kernel<double>(material, native_isa(), 0.0, samples);
     EXPECT_NEAR(samples[0].tau(0, 0) / strain(0, 0), modulus, 0.01 * modulus) << fibre.transpose();
-    wry::test::note_extreme(
-        "particles",
-        fmt::format("a fibre at {:.0f} degrees to the load", std::acos(fibre.x()) * 180.0 / std::numbers::pi),
-        {"holds", 0, 0, 0, std::abs(samples[0].tau(0, 0) / strain(0, 0) / modulus - 1.0), ""});
+    if (k < 3)
+      wry::test::note_extreme("particles",
+                              fmt::format("a fibre {} the load", k == 0   ? "along"
+                                                                 : k == 1 ? "across"
+                                                                          : "anyhow to"),
+                              {"holds", 0, 0, 0, std::abs(samples[0].tau(0, 0) / strain(0, 0) / modulus - 1.0), ""});
     EXPECT_LT(Mat3(samples[0].tau - sigma).norm(), 0.01 * sigma(0, 0)); // nothing else holds it
   }
 }
