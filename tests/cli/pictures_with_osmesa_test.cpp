@@ -80,6 +80,15 @@ TEST_F(Pictures, OfATurntableDoNotRepeatTheFirst) {
   EXPECT_NE(read_text(folder / "bar.0002.0001.png"), read_text(folder / "bar.0002.0006.png"));
 }
 
+TEST_F(Pictures, OfABareMeshDoNotLeaveAnOptionUnheard) {
+  write_text(m_folder.path() / "one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  for (const auto& [option, value] : {std::pair("--set", "render.turntable.frames=4"), std::pair("--frames", "1-4")}) {
+    const Outcome turned = run_wry({"turntable", "one.obj", option, value}, m_folder.path());
+    EXPECT_EQ(turned.exit_code, 2) << turned.err;
+    EXPECT_NE(turned.err.find(option), std::string::npos) << turned.err;
+  }
+}
+
 TEST_F(Pictures, ComeWithLayersASheetAndClearBackgroundsWhenAsked) {
   const Outcome run = run_wry({"run", "bar.toml", "--out", "a", "--frames", "1-3", "--set",
                                "render.exr=[\"colour\",\"Z\",\"N\",\"velocity\",\"id\"]", "--set",

@@ -28,5 +28,5 @@ study column_ppc accuracy.csv shots/column.toml --frames 1-13 --set mpm.cell_siz
   --set 'accuracy."body.column.particles_per_cell"=[1,2,4,8]' --set 'accuracy.reference={ "body.column.particles_per_cell" = 27 }'
 study column_precision accuracy.csv shots/column.toml --frames 1-13 --set mpm.cell_size=0.02 \
   --set 'accuracy."mpm.precision"=["f32"]' --set 'accuracy.reference={ "mpm.precision" = "f64" }'
-study samples pictures.csv shots/bunny.toml --set body.bunny.resolution=0.12 --frames 6 --set 'render.size=[960,540]' \
+study samples pictures.csv shots/bunny.toml --set body.bunny.resolution=0.12 --frames 6 --set 'render.size=[960,540]' --set accuracy.repeats=3 \
   --set 'accuracy."render.samples"=[1,2,4,8,16,32,64]' --set 'accuracy.reference={ "render.samples" = 256 }'

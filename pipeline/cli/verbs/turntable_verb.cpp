@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -102,6 +103,15 @@ Result<Subject> shot_subject(const ShotSession& session, const Invocation& invoc
 
 Result<Subject> mesh_subject(const Invocation& invocation, render::GlBackend backend) {
   const fs::path path = invocation.subject;
+  for (const auto& [option, given] :
+       {std::pair("--set", !invocation.sets.empty()), std::pair("--case", !invocation.wedge.empty()),
+        std::pair("--frames", !invocation.frames.empty())}) {
+    if (given)
+      return make_error(
+          ErrorCode::usage,
+          "{} is for shots, and {} is a mesh with no shot: write a shot with this mesh as a body to use it", option,
+          path.filename().string());
+  }
   const Result<ImportedMesh> imported = import_mesh(path.string());
   if (!imported)
     return imported.error();

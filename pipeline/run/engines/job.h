@@ -23,7 +23,9 @@ struct Job {
   std::filesystem::path log;                                     ///< stdout and stderr
   std::string key;                  ///< hash of all that its outputs depend on: a record with another key is stale
   std::vector<std::string> outputs; ///< files and folders that it makes, for people and other farms
-  double time_limit_seconds = 0.0;  ///< 0: none; then SIGTERM, and SIGKILL a little later
+  /// Of CPU, or twice as much by the clock, so that a busy machine changes less; 0: none. Then SIGTERM, and
+  /// SIGKILL a little later.
+  double time_limit_seconds = 0.0;
 };
 
 /// The jobs of a study, each behind those it depends on.

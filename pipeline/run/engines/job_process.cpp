@@ -4,6 +4,7 @@
 #include <climits>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <fstream>
 #include <thread>
 
@@ -26,6 +27,8 @@ namespace {
 
 constexpr const char* PARENT_VARIABLE = "WRY_PARENT";
 constexpr std::streamoff TAIL_BYTES = 4096;
+/// A job's time is that of its processor; waiting for one, which other work may cause, counts half.
+constexpr double WAITING_COUNTS_LESS = 2.0;
 constexpr double SECONDS_TO_STOP = 10.0; ///< after SIGTERM, before SIGKILL
 constexpr std::size_t LONGEST_REASON = 400;
 
@@ -58,6 +61,15 @@ struct SpawnPlan {
   SpawnPlan(const SpawnPlan&) = delete;
   SpawnPlan& operator=(const SpawnPlan&) = delete;
 };
+
+/// CPU time that a running process has taken, all its threads; where it cannot be had, `otherwise` [s].
+double cpu_seconds_of(pid_t process, double otherwise) {
+  clockid_t clock = 0;
+  timespec time{};
+  if (clock_getcpuclockid(process, &clock) != 0 || clock_gettime(clock, &time) != 0)
+    return otherwise;
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
 
 std::vector<char*> pointers(std::vector<std::string>& words) {
   std::vector<char*> list;
@@ -100,10 +112,12 @@ Result<std::optional<JobRecord>> JobProcess::poll() {
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - m_start).count();
   if (wait4(m_child, &status, WNOHANG, &used) == 0) {
     const double limit = m_job->time_limit_seconds;
-    if (limit > 0.0 && elapsed > limit && !m_timed_out) {
+    const bool late = cpu_seconds_of(m_child, elapsed) > limit || elapsed > WAITING_COUNTS_LESS * limit;
+    if (limit > 0.0 && late && !m_timed_out) {
       m_timed_out = true;
+      m_asked_at = elapsed;
       ask_to_stop();
-    } else if (m_timed_out && elapsed > limit + SECONDS_TO_STOP && !m_killed) {
+    } else if (m_timed_out && elapsed > m_asked_at + SECONDS_TO_STOP && !m_killed) {
       m_killed = true;
       kill(-m_child, SIGKILL);
     }

@@ -32,6 +32,7 @@ private:
   const Job* m_job;
   pid_t m_child;
   std::chrono::steady_clock::time_point m_start;
+  double m_asked_at = 0.0; ///< [s] since the start
   bool m_timed_out = false;
   bool m_killed = false;
 };
