@@ -53,7 +53,7 @@ struct AccuracyReport {
   std::vector<std::string> quantities;
   std::vector<JudgedRung> rungs; ///< references left out
   std::vector<LadderVerdict> verdicts;
-  std::vector<std::size_t> front;  ///< Pareto front over the first quantity, cheapest first
+  std::vector<std::size_t> front;  ///< Pareto fronts over the first quantity, one per reference, cheapest first
   std::vector<std::string> advice; ///< in words
 };
 

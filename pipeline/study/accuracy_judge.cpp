@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -177,24 +178,35 @@ private:
     return m_section.repeats > 1 ? spread : TIMING_NOISE;
   }
 
+  /// Errors against different references do not compare: a ladder with a reference of its own gets its own advice.
   void advise() {
-    std::vector<double> times, errors;
-    const double noise = timing_noise();
-    for (const JudgedRung& judged : m_report.rungs) {
-      times.push_back(judged.cpu_seconds);
-      errors.push_back(judged.errors.front().error);
+    std::map<std::size_t, std::vector<std::size_t>> by_reference;
+    for (std::size_t i = 0; i < m_report.rungs.size(); ++i) {
+      const Rung* reference = reference_of(m_report.rungs[i].rung.ladder);
+      by_reference[reference != nullptr ? reference->row : m_rows.size()].push_back(i);
     }
-    m_report.front = pareto_front(times, errors);
+    for (const auto& [reference, rungs] : by_reference)
+      advise(rungs);
+  }
+
+  void advise(const std::vector<std::size_t>& rungs) {
+    std::vector<double> times(m_report.rungs.size(), NAN_VALUE), errors(m_report.rungs.size(), NAN_VALUE);
+    const double noise = timing_noise();
+    for (const std::size_t i : rungs) {
+      times[i] = m_report.rungs[i].cpu_seconds;
+      errors[i] = m_report.rungs[i].errors.front().error;
+    }
+    const std::vector<std::size_t> front = pareto_front(times, errors);
+    m_report.front.insert(m_report.front.end(), front.begin(), front.end());
     const std::string& quantity = m_report.quantities.front();
-    const auto good = std::find_if(m_report.front.begin(), m_report.front.end(),
-                                   [&](std::size_t i) { return errors[i] <= m_section.tolerance; });
-    if (good == m_report.front.end()) {
+    const auto good =
+        std::find_if(front.begin(), front.end(), [&](std::size_t i) { return errors[i] <= m_section.tolerance; });
+    if (good == front.end()) {
       m_report.advice.push_back(
           fmt::format("no rung reaches {:g} % of {}; {}", 100.0 * m_section.tolerance, quantity,
-                      m_report.front.empty()
-                          ? std::string("none could be judged")
-                          : fmt::format("the best is {} with {:.2g} %", m_report.rungs[m_report.front.back()].name,
-                                        100.0 * errors[m_report.front.back()])));
+                      front.empty() ? std::string("none could be judged")
+                                    : fmt::format("the best is {} with {:.2g} %", m_report.rungs[front.back()].name,
+                                                  100.0 * errors[front.back()])));
       return;
     }
     const JudgedRung& best = m_report.rungs[*good];

@@ -67,7 +67,7 @@ json wedge_json(const StudyRow& row, const StudyPictures& pictures, const std::s
 
 } // namespace
 
-std::string json_for_script(std::string text) {
+std::string json_for_script(const std::string& text) {
   std::string safe;
   for (const char c : text)
     safe += c == '<' ? std::string("\\u003c") : std::string(1, c);

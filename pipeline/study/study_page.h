@@ -18,7 +18,7 @@ Status write_study_page(const std::filesystem::path& folder, const std::string& 
                         const StudyPictures& pictures);
 
 /// JSON that can stand within <script>: no text in it ends the element.
-std::string json_for_script(std::string json);
+std::string json_for_script(const std::string& text);
 
 // The parts of the page that are the same for every study.
 std::string_view study_page_style();

@@ -284,7 +284,8 @@ private:
   static void set_key_taps(const Program& program, const SubFrame& sub_frame) {
     const int sharing = sub_frame.lights.frames_per_map;
     const int all = sharing * sub_frame.lights.key_taps;
-    program.set("noise_turn", static_cast<float>(sub_frame.index / sharing) * 0.618034f);
+    const int map_number = sub_frame.index / sharing;
+    program.set("noise_turn", static_cast<float>(map_number) * 0.618034f);
     // The points of one spiral in turn (Vogel 1979), so that the sub-frames of a map fill its disc together.
     Eigen::Matrix4Xf taps = Eigen::Matrix4Xf::Zero(4, sub_frame.lights.key_taps);
     for (int i = 0; i < sub_frame.lights.key_taps; ++i) {

@@ -21,7 +21,7 @@ void PictureTiles::keep_drawing(const PixelRect& rect) {
   for (int row = std::max(rect.y / SIDE, 0); row <= std::min((rect.y + rect.height - 1) / SIDE, m_rows - 1); ++row) {
     for (int column = std::max(rect.x / SIDE, 0); column <= std::min((rect.x + rect.width - 1) / SIDE, m_columns - 1);
          ++column)
-      m_marks[static_cast<std::size_t>(row * m_columns + column)] |= SHADED | BUSY;
+      m_marks[place_of(row, column)] |= SHADED | BUSY;
   }
 }
 
@@ -42,7 +42,7 @@ void PictureTiles::take_blockers(std::span<const std::array<std::uint8_t, 4>> oc
   // The search is coarse: what is next to a blocked tile may be at the edge of the same shadow.
   for (int row = 0; row < m_rows; ++row) {
     for (int column = 0; column < m_columns; ++column) {
-      if (blocked[static_cast<std::size_t>(row * m_columns + column)] != 0)
+      if (blocked[place_of(row, column)] != 0)
         keep_drawing({(column - 1) * SIDE, (row - 1) * SIDE, 3 * SIDE, 3 * SIDE});
     }
   }
@@ -95,7 +95,7 @@ std::vector<PixelRect> PictureTiles::rects(unsigned wanted, unsigned unwanted) c
     std::vector<PixelRect> reaching;
     for (int begin = 0; begin < m_columns; ++begin) {
       const auto chosen = [&](int column) {
-        const unsigned mark = m_marks[static_cast<std::size_t>(row * m_columns + column)];
+        const unsigned mark = m_marks[place_of(row, column)];
         return (mark & wanted) == wanted && (mark & unwanted) == 0;
       };
       int end = begin;

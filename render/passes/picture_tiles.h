@@ -49,6 +49,10 @@ private:
   /// The tiles that have all of `wanted` and none of `unwanted`, in as few rectangles as rows and columns allow.
   std::vector<PixelRect> rects(unsigned wanted, unsigned unwanted) const;
 
+  std::size_t place_of(int row, int column) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(m_columns) + static_cast<std::size_t>(column);
+  }
+
   ImageSize m_size;
   int m_columns;
   int m_rows;

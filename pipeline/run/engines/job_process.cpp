@@ -73,6 +73,7 @@ double cpu_seconds_of(pid_t process, double otherwise) {
 
 std::vector<char*> pointers(std::vector<std::string>& words) {
   std::vector<char*> list;
+  list.reserve(words.size() + 1);
   for (std::string& word : words)
     list.push_back(word.data());
   list.push_back(nullptr);
