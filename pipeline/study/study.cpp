@@ -58,6 +58,21 @@ Status link_frames(const StudyRequest& request, const StudyRow& row) {
   return {};
 }
 
+/// Throws away what earlier runs of a variant made, whole or half: a job that found it would go on from there, and its
+/// record would tell the time of what was left to do.
+Status throw_away(const StudyRequest& request, const StudyRow& row) {
+  std::vector<std::string> names = {"frames", "checkpoints", "images", "stats.csv", "measure.csv"};
+  for (int repeat = 1; repeat < request.repeats; ++repeat)
+    names.push_back(timing_stage(repeat));
+  for (const std::string& name : names) {
+    std::error_code error;
+    std::filesystem::remove_all(row.folder / name, error); // a link goes, not what it leads to
+    if (error)
+      return make_error(ErrorCode::cannot_write, "{}: {}", (row.folder / name).string(), error.message());
+  }
+  return {};
+}
+
 bool is_selected(const Study& study, const StudyRow& row, StudySelection selection) {
   switch (selection) {
   case StudySelection::unfinished:
@@ -138,8 +153,14 @@ Result<Study> run_study(const StudyRequest& request, const Study& study, Engine&
       return status.error();
   }
   for (const StudyRow& row : study.rows) {
+    const bool runs = std::any_of(selected.jobs.begin(), selected.jobs.end(),
+                                  [&](const Job& job) { return job.variant == row.variant.id(); });
+    if (runs && (request.timed || selection == StudySelection::all)) {
+      if (Status status = throw_away(request, row); !status)
+        return status.error();
+    }
     if (request.stages != StudyStages::draw)
-      break;
+      continue;
     if (Status status = link_frames(request, row); !status)
       return status.error();
   }

@@ -38,6 +38,7 @@ struct StudyRequest {
   Shortage shortage = Shortage::refuse;
   double time_limit_seconds = 0.0;   ///< of each simulation; 0: none
   bool failures_are_results = false; ///< as of a stress test: what failed is not run again unless it is asked for
+  bool timed = false;                ///< times are results: a variant that was interrupted is run anew, not resumed
   int repeats = 1;                   ///< how often each simulation or drawing is run, for its time
   std::filesystem::path frames_of;   ///< with StudyStages::draw: the folder of a run whose frames all variants draw
   /// Command line of a last job that collects the table, for farms; empty: none.

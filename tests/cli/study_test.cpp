@@ -63,6 +63,9 @@ reference = { "fem.time_step" = 2e-4 }
   ASSERT_EQ(run_wry({"accuracy", "bar.toml", "--out", "o"}, folder.path()).exit_code, 0);
   EXPECT_EQ(read_text(folder.path() / "o/accuracy/rungs" / "000-e3b0c442" / "jobs" / "simulate.json"), record)
       << "no rung is computed twice";
+  const std::string log = "o/accuracy/rungs/000-e3b0c442/jobs/simulate.log";
+  ASSERT_EQ(run_wry({"accuracy", "bar.toml", "--out", "o", "--fresh"}, folder.path()).exit_code, 0);
+  EXPECT_THAT(read_text(folder.path() / log), Not(HasSubstr("there already"))) << "--fresh times the work, not nothing";
 }
 
 TEST(StressVerb, TellsWhatHoldsFromWhatIsRefused) {

@@ -200,6 +200,7 @@ Status accuracy_verb(const Invocation& invocation) {
   StudyRequest request = study_request(*session, invocation);
   request.folder /= "accuracy";
   request.part = "rungs";
+  request.timed = true;
   request.repeats = section->repeats;
   const Result<std::optional<HeldStudy>> held = hold_study(request, plan->variants, section->frames, invocation);
   if (!held)
