@@ -99,6 +99,7 @@ void print_error(const Error& error, const Invocation& invocation) {
     const nlohmann::json report = {{"error", error.message}, {"exit_code", static_cast<int>(error.code)}};
     std::printf("%s\n", report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
   }
+  std::fflush(stdout); // where both go to one file, the error comes last
   std::fprintf(stderr, "wry %s: %s\n", invocation.verb.c_str(), error.message.c_str());
 }
 

@@ -166,11 +166,23 @@ MapPlot stress_map(const StressStudy& study, const StressReport& report, const s
   return map;
 }
 
+namespace {
+
+/// The last word of a knob's key; of an axis, what it is the axis of as well.
+std::string short_name(const std::string& key) {
+  std::size_t dot = key.rfind('.');
+  if (dot != std::string::npos && key.size() - dot <= 2)
+    dot = key.rfind('.', dot - 1);
+  return key.substr(dot + 1);
+}
+
+} // namespace
+
 MapPlot stress_pairs_map(const StressStudy& study, const StressReport& report, const std::string& shot) {
   MapPlot map{shot + ": two knobs at their ends: how many of four hold, and the worst", {}, {}, {}};
   for (const shots::Ladder& knob : study.knobs) {
     map.rows.push_back(knob.key);
-    map.columns.push_back(knob.key.substr(knob.key.rfind('.') + 1));
+    map.columns.push_back(short_name(knob.key));
   }
   map.cells.assign(study.knobs.size(), std::vector<MapCell>(study.knobs.size()));
   struct Count {

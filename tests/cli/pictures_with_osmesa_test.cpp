@@ -1,3 +1,4 @@
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -78,6 +79,23 @@ TEST_F(Pictures, OfATurntableDoNotRepeatTheFirst) {
   EXPECT_TRUE(fs::exists(folder / "bar.0002.0006.png"));
   EXPECT_FALSE(fs::exists(folder / "bar.0002.0007.png"));
   EXPECT_NE(read_text(folder / "bar.0002.0001.png"), read_text(folder / "bar.0002.0006.png"));
+}
+
+TEST_F(Pictures, DoneTheErrorIsTheLastWordInTheLogOfAFarm) {
+  write_text(m_folder.path() / "bar.toml", small_shot() + R"(
+[expect.low]
+measure = "height"
+frame = 2
+max = -1e3
+)");
+  const std::string command =
+      "cd " + m_folder.path().string() + " && " + WRY_PROGRAM + " run bar.toml --frames 1-2 --out a > log 2>&1";
+  EXPECT_NE(std::system(command.c_str()), 0);
+  const std::string log = read_text(m_folder.path() / "log");
+  const std::size_t error = log.rfind("\nwry run: ");
+  ASSERT_NE(error, std::string::npos) << log;
+  EXPECT_EQ(log.find("pictures", error), std::string::npos) << log;
+  EXPECT_NE(log.find("expect.low", error), std::string::npos) << log;
 }
 
 TEST_F(Pictures, OfABareMeshDoNotLeaveAnOptionUnheard) {
