@@ -1,29 +1,190 @@
 #include "sim/base/parallel.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
-
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/partitioner.h>
-#include <oneapi/tbb/task_arena.h>
 
 namespace wry {
 
+namespace {
+
+/// Between two loops a thread looks out for the next one for so long before it sleeps: waking it takes about as long,
+/// and iterations of a linear solver follow each other faster.
+constexpr std::chrono::microseconds LOOK_OUT{100};
+/// Looks between two looks at the clock.
+constexpr int LOOKS = 32;
+
+void pause_briefly() {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_ia32_pause();
+#else
+  std::this_thread::yield();
+#endif
+}
+
+/// Whether `done()` became true within LOOK_OUT.
+template <class Done> bool look_out_for(const Done& done) {
+  const auto start = std::chrono::steady_clock::now();
+  do {
+    for (int look = 0; look < LOOKS; ++look) {
+      if (done())
+        return true;
+      pause_briefly();
+    }
+  } while (std::chrono::steady_clock::now() - start < LOOK_OUT);
+  return done();
+}
+
+using RunChunk = std::function<void(std::size_t)>;
+
+} // namespace
+
+/// The caller and its helpers. Each loop has a number; each thread has a share of its chunks, always the same ones for
+/// loops of the same size, so that what it touches stays in its cache, and takes from the others' when it is through.
+/// The caller waits for chunks that somebody has begun, never for a helper that has not come yet.
 struct Threads::Arena {
   explicit Arena(int count)
       : thread_count(count)
-      , arena(std::min(count, most_workers())) {}
+      , shares(static_cast<std::size_t>(std::min(count, processors()))) {}
+
+  ~Arena() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      stopping = true;
+    }
+    wake_up.notify_all();
+    for (std::thread& helper : helpers)
+      helper.join();
+  }
+
+  Arena(const Arena&) = delete;
+  Arena& operator=(const Arena&) = delete;
 
   /// More threads than processors would only fight for them; results do not depend on how many there are.
-  static int most_workers() {
-    return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  static int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
+  /// False when there is nobody to share with, or the threads are at work already: then the caller works alone.
+  bool run(std::size_t chunks, const RunChunk& run_chunk) {
+    if (shares.size() == 1 || chunks == 1 || busy.exchange(true, std::memory_order_acquire))
+      return false;
+    while (helpers.size() + 1 < shares.size())
+      helpers.emplace_back([this, mine = helpers.size() + 1] { help(mine); });
+    const std::uint32_t loop = current.load(std::memory_order_relaxed) + 1;
+    job = &run_chunk;
+    failed.store(false, std::memory_order_relaxed);
+    unfinished.store(chunks, std::memory_order_relaxed);
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      shares[i].end = chunks * (i + 1) / shares.size();
+      const std::uint64_t left = shares[i].end - chunks * i / shares.size();
+      shares[i].left.store(std::uint64_t(loop) << 32 | left, std::memory_order_release);
+    }
+    current.store(loop);
+    if (sleepers.load() > 0) {
+      { const std::lock_guard<std::mutex> lock(mutex); }
+      wake_up.notify_all();
+    }
+    work(0, loop);
+    wait_for_others();
+    const std::exception_ptr thrown = std::exchange(failure, nullptr);
+    busy.store(false, std::memory_order_release);
+    if (thrown)
+      std::rethrow_exception(thrown);
+    return true;
   }
 
   int thread_count;
-  tbb::task_arena arena;
+
+private:
+  struct alignas(64) Share {
+    std::atomic<std::uint64_t> left = 0; ///< number of the loop, and below it how many chunks nobody has begun
+    std::size_t end = 0;                 ///< one past the last chunk; may be read by who has taken a chunk
+  };
+
+  static bool take(Share& share, std::uint32_t loop, std::size_t& chunk) {
+    std::uint64_t seen = share.left.load(std::memory_order_acquire);
+    while (static_cast<std::uint32_t>(seen >> 32) == loop && static_cast<std::uint32_t>(seen) != 0) {
+      if (share.left.compare_exchange_weak(seen, seen - 1, std::memory_order_acq_rel, std::memory_order_acquire)) {
+        chunk = share.end - static_cast<std::uint32_t>(seen);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// Chunks of the own share, then of the others', until none is left. A loop that is over has none.
+  void work(std::size_t mine, std::uint32_t loop) {
+    std::size_t done = 0;
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      std::size_t chunk = 0;
+      for (Share& share = shares[(mine + i) % shares.size()]; take(share, loop, chunk); ++done)
+        run_one(chunk);
+    }
+    if (done == 0 || unfinished.fetch_sub(done) != done)
+      return;
+    if (mine != 0 && caller_sleeps.load()) {
+      { const std::lock_guard<std::mutex> lock(mutex); }
+      all_done.notify_one();
+    }
+  }
+
+  void run_one(std::size_t chunk) {
+    if (failed.load(std::memory_order_relaxed))
+      return;
+    try {
+      (*job)(chunk);
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (!failed.exchange(true))
+        failure = std::current_exception();
+    }
+  }
+
+  void wait_for_others() {
+    const auto done = [this] { return unfinished.load(std::memory_order_acquire) == 0; };
+    if (look_out_for(done))
+      return;
+    std::unique_lock<std::mutex> lock(mutex);
+    caller_sleeps.store(true);
+    all_done.wait(lock, [this] { return unfinished.load() == 0; });
+    caller_sleeps.store(false);
+  }
+
+  void help(std::size_t mine) {
+    for (std::uint32_t seen = 0;;) {
+      const auto called = [this, &seen] { return current.load() != seen; };
+      if (!look_out_for(called)) {
+        std::unique_lock<std::mutex> lock(mutex);
+        ++sleepers;
+        wake_up.wait(lock, [&] { return stopping || called(); });
+        --sleepers;
+        if (stopping)
+          return;
+      }
+      seen = current.load();
+      work(mine, seen);
+    }
+  }
+
+  std::vector<Share> shares; ///< the caller's first
+  std::vector<std::thread> helpers;
+  std::atomic<bool> busy = false;
+  const RunChunk* job = nullptr;
+  std::atomic<bool> failed = false;
+  std::exception_ptr failure;
+  alignas(64) std::atomic<std::uint32_t> current = 0; ///< number of the last loop
+  alignas(64) std::atomic<std::size_t> unfinished = 0;
+  std::atomic<bool> caller_sleeps = false;
+  std::atomic<int> sleepers = 0;
+  bool stopping = false;
+  std::mutex mutex;
+  std::condition_variable wake_up, all_done;
 };
 
 Threads::Threads(int count)
@@ -44,20 +205,10 @@ void Threads::for_chunks(std::size_t size, std::size_t grain,
   grain = std::max<std::size_t>(1, grain);
   const std::size_t chunks = (size + grain - 1) / grain;
   const auto run_chunk = [&](std::size_t chunk) { body(chunk * grain, std::min(size, (chunk + 1) * grain)); };
-  if (m_arena->thread_count == 1 || chunks == 1) {
-    for (std::size_t chunk = 0; chunk < chunks; ++chunk)
-      run_chunk(chunk);
+  if (m_arena->run(chunks, run_chunk))
     return;
-  }
-  m_arena->arena.execute([&] {
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, chunks, 1),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-          for (std::size_t chunk = range.begin(); chunk < range.end(); ++chunk)
-            run_chunk(chunk);
-        },
-        tbb::simple_partitioner());
-  });
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk)
+    run_chunk(chunk);
 }
 
 double Threads::sum_chunks(std::size_t size, std::size_t grain,

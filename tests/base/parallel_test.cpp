@@ -1,7 +1,9 @@
 #include "sim/base/parallel.h"
 
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -43,6 +45,41 @@ TEST(Parallel, ExceptionsReachTheCaller) {
                                     throw std::runtime_error("57");
                                 }),
                std::runtime_error);
+}
+
+TEST(Parallel, LoopsWithinLoopsAndFromSeveralCallersVisitEveryIndexOnce) {
+  const Threads threads(2);
+  std::vector<int> visits(64 * 64, 0);
+  const auto visit_rows = [&](std::size_t first_row) {
+    threads.for_each(32, 1, [&](std::size_t row) {
+      threads.for_each(64, 5, [&](std::size_t column) { ++visits[64 * (first_row + row) + column]; });
+    });
+  };
+  std::thread other(visit_rows, 32);
+  visit_rows(0);
+  other.join();
+  EXPECT_EQ(visits, std::vector<int>(64 * 64, 1));
+}
+
+TEST(Parallel, ManyShortLoopsInARowEachEndBeforeTheNext) {
+  const Threads threads(2);
+  std::vector<long> steps(16, 0);
+  for (long loop = 0; loop < 20000; ++loop) {
+    if (loop % 4000 == 0) // long enough for the others to fall asleep
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    threads.for_each(steps.size(), 1, [&](std::size_t i) { steps[i] = steps[i] == loop ? loop + 1 : -1; });
+  }
+  EXPECT_EQ(steps, std::vector<long>(16, 20000));
+}
+
+TEST(Parallel, GoesOnAfterAnException) {
+  const Threads threads(2);
+  for (int round = 0; round < 100; ++round) {
+    EXPECT_THROW(threads.for_each(8, 1, [](std::size_t) { throw std::runtime_error("all"); }), std::runtime_error);
+    std::vector<int> visits(8, 0);
+    threads.for_each(visits.size(), 1, [&](std::size_t i) { ++visits[i]; });
+    ASSERT_EQ(visits, std::vector<int>(8, 1));
+  }
 }
 
 } // namespace

@@ -340,8 +340,7 @@ double BlockMatrix::multiply(const AlignedVector<Scalar>& x, AlignedVector<Scala
     functions<Scalar>(section).product(rows, chunk.begin, chunk.end, x.data() + first, y.data() + first,
                                        spills<Scalar>().data() + chunk.spill_begin, chunk.spill_nodes);
   });
-  threads.for_each(m_chunks.size(), has_pairs() ? 1 : 8,
-                   [&](std::size_t index) { m_partial_dots[index] = gather_spills(index, x, y); });
+  threads.for_each(m_chunks.size(), 1, [&](std::size_t index) { m_partial_dots[index] = gather_spills(index, x, y); });
   double dot = 0.0;
   for (const double partial : m_partial_dots)
     dot += partial;

@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::size_t NODE_GRAIN = 512;
 constexpr std::size_t ENTRY_GRAIN = 16384;
+/// About as many entries as NODE_GRAIN nodes have: each thread turns those entries that it has just updated.
+constexpr std::size_t TURN_GRAIN = 4 * NODE_GRAIN;
 /// How far a direction of negative curvature is followed, in lengths of the solution so far.
 constexpr double LONGEST_OVER_RIDGE = 3.0;
 
@@ -71,7 +73,7 @@ template <class Scalar> double squared_norm(const AlignedVector<Scalar>& vector,
 
 template <class Scalar>
 void turn_direction(ConjugateGradientVectors<Scalar>& work, Scalar beta, const Threads& threads) {
-  threads.for_chunks(work.x.size(), ENTRY_GRAIN, [&](std::size_t begin, std::size_t end) {
+  threads.for_chunks(work.x.size(), TURN_GRAIN, [&](std::size_t begin, std::size_t end) {
     const Scalar* z = work.z.data();
     Scalar* p = work.p.data();
     for (std::size_t i = begin; i < end; ++i)
