@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 namespace wry::render {
 
@@ -91,36 +93,102 @@ bool is_hidden(const ClipBox& box, float thickness, float near_distance, const F
 
 } // namespace
 
-std::vector<std::uint8_t> hidden_grains(std::span<const DrawGrain> grains, const Eigen::Matrix4f& clip_from_world,
-                                        const FarthestDepths& depths, const ImageSize& size) {
+HidingPicture::HidingPicture(FarthestDepths depths, const Eigen::Matrix4f& clip_from_world, const ImageSize& size)
+    : m_depths(std::move(depths))
+    , m_linear(clip_from_world({0, 1, 3}, {0, 1, 2}))
+    , m_shift(clip_from_world({0, 1, 3}, 3))
+    , m_near_distance(clip_from_world(2, 3))
+    , m_size(size) {}
+
+bool HidingPicture::hides(const DrawGrain& grain) const {
   constexpr int PIECES_MAX = 6; // a long grain across the picture fits its rectangle badly: its pieces fit theirs
-  const Eigen::Matrix3f linear = clip_from_world({0, 1, 3}, {0, 1, 2}); // x, y and distance
-  const Vec3f shift = clip_from_world({0, 1, 3}, 3);
-  const float near_distance = clip_from_world(2, 3);
-  std::vector<std::uint8_t> hidden(grains.size(), 0);
-  for (std::size_t i = 0; i < grains.size(); ++i) {
-    ClipBox box;
-    box.centre = linear * vector_of(grains[i].centre) + shift;
-    std::array<float, 3> lengths{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      box.axes[a] = linear * vector_of(grains[i].axes[a]);
-      lengths[a] = vector_of(grains[i].axes[a]).norm();
-    }
-    const auto longest = static_cast<std::size_t>(std::max_element(lengths.begin(), lengths.end()) - lengths.begin());
-    const float thickness = 2.f * *std::min_element(lengths.begin(), lengths.end());
-    const float width = std::max(lengths[(longest + 1) % 3], lengths[(longest + 2) % 3]);
-    const int pieces = std::clamp(static_cast<int>(lengths[longest] / std::max(width, 1e-12f)), 1, PIECES_MAX);
-    const Vec3f along = box.axes[longest];
-    const Vec3f middle = box.centre;
-    box.axes[longest] = along / static_cast<float>(pieces);
-    bool all = true;
-    for (int piece = 0; piece < pieces && all; ++piece) {
-      box.centre = middle + along * (static_cast<float>(2 * piece + 1) / static_cast<float>(pieces) - 1.f);
-      all = is_hidden(box, thickness, near_distance, depths, size);
-    }
-    hidden[i] = all ? 1 : 0;
+  ClipBox box;
+  box.centre = m_linear * vector_of(grain.centre) + m_shift;
+  std::array<float, 3> lengths{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    box.axes[a] = m_linear * vector_of(grain.axes[a]);
+    lengths[a] = vector_of(grain.axes[a]).norm();
   }
-  return hidden;
+  const auto longest = static_cast<std::size_t>(std::max_element(lengths.begin(), lengths.end()) - lengths.begin());
+  const float thickness = 2.f * *std::min_element(lengths.begin(), lengths.end());
+  if (is_hidden(box, thickness, m_near_distance, m_depths, m_size))
+    return true;
+  const float width = std::max(lengths[(longest + 1) % 3], lengths[(longest + 2) % 3]);
+  const int pieces = std::clamp(static_cast<int>(lengths[longest] / std::max(width, 1e-12f)), 1, PIECES_MAX);
+  const Vec3f along = box.axes[longest];
+  const Vec3f middle = box.centre;
+  box.axes[longest] = along / static_cast<float>(pieces);
+  bool all = pieces > 1;
+  for (int piece = 0; piece < pieces && all; ++piece) {
+    box.centre = middle + along * (static_cast<float>(2 * piece + 1) / static_cast<float>(pieces) - 1.f);
+    all = is_hidden(box, thickness, m_near_distance, m_depths, m_size);
+  }
+  return all;
+}
+
+std::vector<std::uint32_t> nearest_in_cells(std::span<const Eigen::Vector3f> places, float cell, std::size_t most) {
+  if (places.empty() || most == 0)
+    return {};
+  constexpr float CELLS_MAX = 1024.f; // on a side
+  Eigen::Vector2f low = places[0].head<2>(), high = low;
+  for (const Vec3f& place : places) {
+    low = low.cwiseMin(place.head<2>());
+    high = high.cwiseMax(place.head<2>());
+  }
+  const float side = std::max({cell, (high - low).maxCoeff() / CELLS_MAX, 1e-6f});
+  const auto cells_along = [&](int axis) { return static_cast<std::size_t>((high[axis] - low[axis]) / side) + 1; };
+  const std::size_t columns = cells_along(0);
+  // Sorted by cell: the places of cell c are those from begins[c] to begins[c + 1].
+  std::vector<std::uint32_t> cell_of(places.size());
+  std::vector<std::uint32_t> begins(columns * cells_along(1) + 1, 0);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Eigen::Vector2f at = (places[i].head<2>() - low) / side;
+    cell_of[i] =
+        static_cast<std::uint32_t>(static_cast<std::size_t>(at.y()) * columns + static_cast<std::size_t>(at.x()));
+    ++begins[cell_of[i] + 1];
+  }
+  std::partial_sum(begins.begin(), begins.end(), begins.begin());
+  std::vector<std::pair<float, std::uint32_t>> sorted(places.size());
+  std::vector<std::uint32_t> next(begins.begin(), begins.end() - 1);
+  for (std::uint32_t i = 0; i < places.size(); ++i)
+    sorted[next[cell_of[i]]++] = {places[i].z(), i};
+  std::vector<std::uint32_t> chosen;
+  for (std::size_t c = 0; c + 1 < begins.size(); ++c) {
+    const auto begin = sorted.begin() + begins[c];
+    const auto end = sorted.begin() + begins[c + 1];
+    const auto count = std::min(static_cast<std::ptrdiff_t>(most), end - begin);
+    if (count < end - begin)
+      std::nth_element(begin, begin + count, end);
+    for (auto it = begin; it != begin + count; ++it)
+      chosen.push_back(it->second);
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+GrainPlaces grain_places(std::span<const DrawGrain> grains, const Eigen::Matrix4f& clip_from_world,
+                         const ImageSize& size) {
+  const Eigen::Vector2f half(0.5f * static_cast<float>(size.width), 0.5f * static_cast<float>(size.height));
+  const float pixels = clip_from_world.row(0).head<3>().norm() * half.x(); // that a metre across has at 1 m
+  const float near_distance = clip_from_world(2, 3);
+  GrainPlaces found;
+  found.places.reserve(grains.size());
+  double area = 0.0;
+  for (const DrawGrain& grain : grains) {
+    const Vec3f centre =
+        clip_from_world({0, 1, 3}, {0, 1, 2}) * vector_of(grain.centre) + clip_from_world({0, 1, 3}, 3);
+    const float distance = std::max(centre.z(), near_distance);
+    const Eigen::Vector2f at = (centre.head<2>() / distance + Eigen::Vector2f::Ones()).cwiseProduct(half);
+    found.places.emplace_back(std::clamp(at.x(), 0.f, 2.f * half.x()), std::clamp(at.y(), 0.f, 2.f * half.y()),
+                              centre.z());
+    std::array<float, 3> lengths{};
+    for (std::size_t a = 0; a < 3; ++a)
+      lengths[a] = 2.f * vector_of(grain.axes[a]).norm() * pixels / distance;
+    std::sort(lengths.begin(), lengths.end());
+    area += static_cast<double>(lengths[1] * lengths[2]);
+  }
+  found.side = static_cast<float>(std::sqrt(area / std::max(static_cast<double>(grains.size()), 1.0)));
+  return found;
 }
 
 OutlineOrder::OutlineOrder(std::span<const std::array<float, 3>> corners, const Eigen::Matrix4f& clip_from_world,
@@ -129,6 +197,7 @@ OutlineOrder::OutlineOrder(std::span<const std::array<float, 3>> corners, const 
   constexpr std::size_t CORNERS = 4;
   const float half = 0.5f * static_cast<float>(map_size);
   m_reaches.reserve(corners.size() / CORNERS);
+  double area = 0.0;
   for (std::size_t first = 0; first + CORNERS <= corners.size(); first += CORNERS) {
     Vec3f low = Vec3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
     for (std::size_t corner = first; corner < first + CORNERS; ++corner) {
@@ -139,22 +208,36 @@ OutlineOrder::OutlineOrder(std::span<const std::array<float, 3>> corners, const 
     }
     m_reaches.push_back(
         {half * (low.x() + 1.f), half * (low.y() + 1.f), half * (high.x() + 1.f), half * (high.y() + 1.f), low.z()});
+    const auto side = [&](std::size_t corner) {
+      return Vec3f(half * clip_from_world.topLeftCorner<3, 3>() *
+                   (vector_of(corners[first + corner]) - vector_of(corners[first])));
+    };
+    area += static_cast<double>(std::abs(side(1).x() * side(3).y() - side(1).y() * side(3).x()));
   }
+  m_left.resize(m_reaches.size());
+  std::iota(m_left.begin(), m_left.end(), 0u);
+  m_side = static_cast<float>(std::sqrt(area / std::max(static_cast<double>(m_reaches.size()), 1.0)));
 }
 
-std::vector<std::uint32_t> OutlineOrder::nearest(double part) {
-  std::vector<float> depths(m_reaches.size());
-  std::transform(m_reaches.begin(), m_reaches.end(), depths.begin(), [](const Reach& reach) { return reach.nearest; });
-  std::vector<std::uint32_t> chosen;
-  if (depths.empty())
-    return chosen;
-  const auto place = static_cast<std::ptrdiff_t>(part * static_cast<double>(depths.size() - 1));
-  std::nth_element(depths.begin(), depths.begin() + place, depths.end());
-  m_split = depths[static_cast<std::size_t>(place)];
-  for (std::uint32_t i = 0; i < m_reaches.size(); ++i) {
-    if (m_reaches[i].nearest <= m_split)
-      chosen.push_back(i);
+std::vector<std::uint32_t> OutlineOrder::first_met(std::size_t most) {
+  std::vector<Vec3f> places;
+  places.reserve(m_left.size());
+  for (const std::uint32_t i : m_left) {
+    const Reach& reach = m_reaches[i];
+    places.emplace_back(0.5f * (reach.left + reach.right), 0.5f * (reach.bottom + reach.top), reach.nearest);
   }
+  std::vector<std::uint32_t> chosen = nearest_in_cells(places, m_side, most);
+  std::vector<std::uint8_t> taken(m_left.size(), 0);
+  for (std::uint32_t& place : chosen) {
+    taken[place] = 1;
+    place = m_left[place];
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < m_left.size(); ++i) {
+    if (taken[i] == 0)
+      m_left[kept++] = m_left[i];
+  }
+  m_left.resize(kept);
   return chosen;
 }
 
@@ -166,10 +249,8 @@ std::vector<std::uint32_t> OutlineOrder::seen_of_the_rest(std::vector<float> dep
   constexpr float SAFE = 1e-6f; // what a raster and this code may round differently
   std::vector<std::uint32_t> chosen;
   const float side = static_cast<float>(m_map_size);
-  for (std::uint32_t i = 0; i < m_reaches.size(); ++i) {
+  for (const std::uint32_t i : m_left) {
     const Reach& reach = m_reaches[i];
-    if (reach.nearest <= m_split)
-      continue;
     const bool inside = reach.left > 1.f && reach.bottom > 1.f && reach.right < side - 1.f && reach.top < side - 1.f;
     if (!inside || !(1.f - reach.nearest + SAFE <
                      farthest.least(static_cast<int>(reach.left - 1.f), static_cast<int>(reach.bottom - 1.f),

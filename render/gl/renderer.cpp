@@ -101,8 +101,9 @@ struct Renderer::Machinery {
   SubFrame sub_frame(const View& view, const CameraPlan& asked, const Camera& camera, int index) const;
   void face_grains(const SubFrame& sub_frame);
   bool is_still(const CameraPlan& asked) const;
-  void leave_out_hidden_grains(const SubFrame& drawn, Geometry::Drawn done);
-  Status draw_nearest_grains(SubFrame& first);
+  HidingPicture hiding_picture(const SubFrame& drawn) const;
+  void leave_out_hidden_grains(const SubFrame& drawn);
+  Status draw_first_grains(SubFrame& first);
   Status draw_pass(std::size_t index, const SubFrame& sub_frame);
   Status draw_passes(const Frame& frame, const Picture& picture);
   Status draw_data_passes(const Frame& frame, const Picture& picture);
@@ -182,32 +183,43 @@ bool Renderer::Machinery::is_still(const CameraPlan& asked) const {
   return plan.samples == 1 || (!(plan.shutter > 0.0) && !asked.f_stop.has_value());
 }
 
-void Renderer::Machinery::leave_out_hidden_grains(const SubFrame& drawn, Geometry::Drawn done) {
-  const double cpu = cpu_ms();
-  const double wall = wall_ms();
+HidingPicture Renderer::Machinery::hiding_picture(const SubFrame& drawn) const {
   std::vector<float> depth(static_cast<std::size_t>(plan.size.width) * static_cast<std::size_t>(plan.size.height));
   context->gl().GetTextureImage(targets->depth.name(), 0, GL_DEPTH_COMPONENT, GL_FLOAT,
                                 static_cast<GLsizei>(depth.size() * sizeof(float)), depth.data());
-  geometry->hide_behind(FarthestDepths(std::move(depth), plan.size), drawn.clip_from_world, plan.size, done);
+  return {FarthestDepths(std::move(depth), plan.size), drawn.clip_from_world, plan.size};
+}
+
+void Renderer::Machinery::leave_out_hidden_grains(const SubFrame& drawn) {
+  const double cpu = cpu_ms();
+  const double wall = wall_ms();
+  geometry->show_seen(hiding_picture(drawn));
   times.front().cpu_ms += cpu_ms() - cpu;
   times.front().wall_ms += wall_ms() - wall;
 }
 
-/// Of a heap most grains are behind others. The nearest part is drawn first, so that those which they hide are never
-/// cut to triangles; the sub-frame then adds the rest.
-Status Renderer::Machinery::draw_nearest_grains(SubFrame& first) {
+/// Of a heap most grains are behind others. What the eye meets first is drawn first, so that those which it hides are
+/// never cut to triangles; the sub-frame then adds the rest.
+Status Renderer::Machinery::draw_first_grains(SubFrame& first) {
   constexpr std::size_t WORTH_IT = 20000;
-  constexpr double NEAREST = 0.4;
   if (geometry->grains() < WORTH_IT)
     return {};
-  geometry->show_nearest(first.clip_from_world, NEAREST);
+  const double cpu = cpu_ms();
+  const double wall = wall_ms();
+  geometry->show_first_met(first.clip_from_world, plan.size);
+  times.front().cpu_ms += cpu_ms() - cpu;
+  times.front().wall_ms += wall_ms() - wall;
   face_grains(first);
   const auto surface = std::find_if(pass_table().begin(), pass_table().end(),
                                     [](const PassEntry& entry) { return entry.create == create_surface_pass; });
   const auto index = static_cast<std::size_t>(surface - pass_table().begin());
   if (Status status = draw_pass(index, first); !status.ok())
     return status;
-  leave_out_hidden_grains(first, Geometry::Drawn::nearest);
+  const double cpu_then = cpu_ms();
+  const double wall_then = wall_ms();
+  geometry->show_rest(hiding_picture(first));
+  times.front().cpu_ms += cpu_ms() - cpu_then;
+  times.front().wall_ms += wall_ms() - wall_then;
   first.surface_begun = true;
   return {};
 }
@@ -246,7 +258,7 @@ Status Renderer::Machinery::draw_passes(const Frame& frame, const Picture& pictu
     const bool still = is_still(picture.camera.value_or(plan.camera)) && geometry->has_clouds() &&
                        plan.hidden_grains == RenderPlan::HiddenGrains::left_out;
     if (index == 0 && still) {
-      if (const Status status = draw_nearest_grains(current); !status.ok())
+      if (const Status status = draw_first_grains(current); !status.ok())
         return status;
     }
     face_grains(current);
@@ -261,7 +273,7 @@ Status Renderer::Machinery::draw_passes(const Frame& frame, const Picture& pictu
         return status;
     }
     if (index == 0 && plan.samples > 1 && still)
-      leave_out_hidden_grains(current, Geometry::Drawn::all);
+      leave_out_hidden_grains(current);
   }
   if (const GLenum error = context->gl().GetError(); error != GL_NO_ERROR)
     return make_error(error == GL_OUT_OF_MEMORY ? ErrorCode::out_of_memory : ErrorCode::unavailable,

@@ -106,6 +106,7 @@ Geometry::Geometry(const GlFunctions& gl, const std::vector<Image>& textures)
 void Geometry::upload(const DrawList& list) {
   upload_triangles(list);
   m_clouds = list.clouds;
+  m_places.clear();
   m_in_sight.clear();
   m_eye_ready = false;
   m_light_ready = false;
@@ -207,11 +208,6 @@ void Geometry::face_eye(const Eigen::Vector3f& eye, float seconds) {
   m_eye_seconds = seconds;
 }
 
-float Geometry::distance_to(const DrawGrain& grain, const Eigen::Matrix4f& clip_from_world) {
-  return clip_from_world(3, 0) * grain.centre[0] + clip_from_world(3, 1) * grain.centre[1] +
-         clip_from_world(3, 2) * grain.centre[2] + clip_from_world(3, 3);
-}
-
 std::size_t Geometry::grains() const {
   std::size_t count = 0;
   for (const DrawCloud& cloud : m_clouds)
@@ -219,39 +215,45 @@ std::size_t Geometry::grains() const {
   return count;
 }
 
-void Geometry::show_nearest(const Eigen::Matrix4f& clip_from_world, double part) {
-  std::vector<float> distances;
-  distances.reserve(grains());
-  for (const DrawCloud& cloud : m_clouds) {
-    for (std::size_t i = 0; cloud.seen_by != DrawCloud::For::light && i < cloud.grains.size(); ++i)
-      distances.push_back(distance_to(cloud.grains[i], clip_from_world));
-  }
-  if (distances.empty())
-    return;
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(distances.size() - 1));
-  std::nth_element(distances.begin(), middle, distances.end());
-  m_nearest = *middle;
+void Geometry::show_first_met(const Eigen::Matrix4f& clip_from_world, const ImageSize& size) {
   m_in_sight.assign(m_clouds.size(), {});
+  m_places.clear();
   for (std::size_t c = 0; c < m_clouds.size(); ++c) {
-    for (std::size_t i = 0; m_clouds[c].seen_by != DrawCloud::For::light && i < m_clouds[c].grains.size(); ++i) {
-      if (distance_to(m_clouds[c].grains[i], clip_from_world) <= m_nearest)
-        m_in_sight[c].push_back(m_clouds[c].grains[i]);
+    const std::vector<DrawGrain>& grains = m_clouds[c].grains;
+    m_places.emplace_back(grains.size(), Place::waiting);
+    if (m_clouds[c].seen_by == DrawCloud::For::light)
+      continue;
+    const GrainPlaces places = grain_places(grains, clip_from_world, size);
+    for (const std::uint32_t i : nearest_in_cells(places.places, places.side, FIRST_MET)) {
+      m_places[c][i] = Place::shown;
+      m_in_sight[c].push_back(grains[i]);
     }
   }
   m_eye_ready = false;
 }
 
-void Geometry::hide_behind(const FarthestDepths& depths, const Eigen::Matrix4f& clip_from_world, const ImageSize& size,
-                           Drawn drawn) {
+void Geometry::show_rest(const HidingPicture& drawn) {
+  for (std::size_t c = 0; c < m_clouds.size(); ++c) {
+    const std::vector<DrawGrain>& grains = m_clouds[c].grains;
+    m_in_sight[c].clear();
+    for (std::size_t i = 0; m_clouds[c].seen_by != DrawCloud::For::light && i < grains.size(); ++i) {
+      if (m_places[c][i] != Place::waiting)
+        continue;
+      m_places[c][i] = drawn.hides(grains[i]) ? Place::hidden : Place::shown;
+      if (m_places[c][i] == Place::shown)
+        m_in_sight[c].push_back(grains[i]);
+    }
+  }
+  m_eye_ready = false;
+}
+
+void Geometry::show_seen(const HidingPicture& drawn) {
   m_in_sight.assign(m_clouds.size(), {});
   for (std::size_t c = 0; c < m_clouds.size(); ++c) {
     const std::vector<DrawGrain>& grains = m_clouds[c].grains;
-    if (m_clouds[c].seen_by == DrawCloud::For::light)
-      continue;
-    const std::vector<std::uint8_t> hidden = hidden_grains(grains, clip_from_world, depths, size);
-    for (std::size_t i = 0; i < grains.size(); ++i) {
-      const bool there = drawn == Drawn::nearest && distance_to(grains[i], clip_from_world) <= m_nearest;
-      if (hidden[i] == 0 && !there)
+    for (std::size_t i = 0; m_clouds[c].seen_by != DrawCloud::For::light && i < grains.size(); ++i) {
+      const bool known = !m_places.empty() && m_places[c][i] == Place::hidden;
+      if (!known && !drawn.hides(grains[i]))
         m_in_sight[c].push_back(grains[i]);
     }
   }

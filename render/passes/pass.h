@@ -58,14 +58,14 @@ public:
   void face_eye(const Eigen::Vector3f& eye, float seconds);
   void face_light(const Eigen::Vector3f& towards, float seconds);
   bool has_clouds() const { return !m_clouds.empty(); }
-  /// Until the next upload() or hide_behind() only this part of the grains is drawn: those nearest to the eye.
-  void show_nearest(const Eigen::Matrix4f& clip_from_world, double part);
   std::size_t grains() const;
-  /// Leaves out, until the next upload() or call, the grains that what was just drawn proves to be behind it, and after
-  /// show_nearest() those nearest, too: only where neither eye nor grains move between sub-frames.
-  enum class Drawn { nearest, all };
-  void hide_behind(const FarthestDepths& depths, const Eigen::Matrix4f& clip_from_world, const ImageSize& size,
-                   Drawn drawn);
+  /// Until the next upload(), show_rest() or show_seen() only those grains are drawn that are about the first the eye
+  /// meets.
+  void show_first_met(const Eigen::Matrix4f& clip_from_world, const ImageSize& size);
+  /// Of the rest those that what was just drawn does not hide.
+  void show_rest(const HidingPicture& drawn);
+  /// All but the grains that what was just drawn hides. Like show_rest(): only where neither eye nor grains move.
+  void show_seen(const HidingPicture& drawn);
   /// Gives the grains, as they face the eye, their velocity and body, for the data pass.
   void attach_grain_data();
   void draw_boxes() const;    ///< normals flat, from the last vertex
@@ -89,9 +89,8 @@ private:
   std::vector<TexturedRange> m_ranges;
 
   std::vector<DrawCloud> m_clouds;
-  static float distance_to(const DrawGrain& grain, const Eigen::Matrix4f& clip_from_world);
-
-  float m_nearest = 0.f;                          ///< distance up to which show_nearest() shows grains [m]
+  enum class Place : std::uint8_t { waiting, shown, hidden };
+  std::vector<std::vector<Place>> m_places;       ///< per cloud and grain; empty: all are waiting
   std::vector<std::vector<DrawGrain>> m_in_sight; ///< per cloud, in place of its grains; empty: all are
   GlObject m_boxes, m_box_indices, m_box_array;
   GlObject m_rounds, m_round_indices, m_round_array;

@@ -60,14 +60,13 @@ private:
   /// Most grains of a heap are in the shadow of others: they need not be drawn.
   void draw_outlines(const LightState& lights) {
     constexpr std::size_t WORTH_IT = 20000;
-    constexpr double NEAREST = 0.4;
     const Geometry& geometry = m_resources.geometry;
     if (geometry.outlines().size() < WORTH_IT * OUTLINE_VERTICES) {
       geometry.draw_outlines();
       return;
     }
     OutlineOrder order(geometry.outlines(), lights.clip_from_world_shadow, SHADOW_MAP_SIZE);
-    geometry.draw_outlines(order.nearest(NEAREST));
+    geometry.draw_outlines(order.first_met(FIRST_MET));
     std::vector<float> depth(static_cast<std::size_t>(SHADOW_MAP_SIZE) * SHADOW_MAP_SIZE);
     m_resources.gl.GetTextureImage(m_resources.targets.shadow.name(), 0, GL_DEPTH_COMPONENT, GL_FLOAT,
                                    static_cast<GLsizei>(depth.size() * sizeof(float)), depth.data());

@@ -1,5 +1,5 @@
 // What a 1080p picture costs, pass by pass, and a PNG of it; then how the error falls as sub-frames grow.
-// Run with: bench_render_passes [out.csv [part of a case's name]]
+// Run with: bench_render_passes [out.csv [part of a case's name [sub-frames]]]
 // Columns: case, samples, pass, processor milliseconds and wall milliseconds a picture (median of the runs). The pass
 // "picture" is the sum with read-back and text, "frames/min on 2 cores" what two processes draw and write in a minute
 // of processor time, "memory MB" the most that the process has held so far, "rmse" the error against 256 sub-frames.
@@ -222,6 +222,16 @@ int converge(std::FILE* out, const MeshScene& scene) {
 } // namespace
 
 int main(int argc, char** argv) {
+  const bool asks = std::any_of(argv + 1, argv + argc, [](const char* argument) { return argument[0] == '-'; });
+  if (asks || argc > 4) {
+    const std::string first = argc > 1 ? argv[1] : "";
+    const bool help = argc == 2 && (first == "--help" || first == "-h");
+    std::fprintf(help ? stdout : stderr,
+                 "usage: bench_render_passes [OUT.csv [CASE [SUB-FRAMES]]]\n"
+                 "Writes what each pass of a 1080p picture costs to OUT.csv, or to the standard output without it.\n"
+                 "CASE: only cases whose name has this in it. SUB-FRAMES: only pictures of so many.\n");
+    return help ? 0 : 2;
+  }
   std::FILE* out = argc > 1 ? std::fopen(argv[1], "w") : stdout;
   if (out == nullptr) {
     std::fprintf(stderr, "%s: cannot be written\n", argv[1]);
@@ -231,10 +241,11 @@ int main(int argc, char** argv) {
   ::gethostname(host, sizeof(host) - 1);
   std::fprintf(out, "# machine %s, 1920x1080\ncase,samples,pass,cpu_ms,wall_ms\n", host);
   const std::string only = argc > 2 ? argv[2] : "";
+  const int only_samples = argc > 3 ? std::atoi(argv[3]) : 0;
   const auto wanted = [&](const std::string& what) { return what.find(only) != std::string::npos; };
   int code = 0;
   const auto draw = [&](const char* what, const MeshScene& scene, const RenderPlan& plan, const char* view, int runs) {
-    if (wanted(what))
+    if (wanted(what) && (only_samples == 0 || only_samples == plan.samples))
       code = std::max(code, run(out, what, scene, plan, view, runs));
   };
   {

@@ -42,17 +42,20 @@ TEST(HiddenGrains, AreThoseBehindAllThatIsSeenAroundThem) {
       cube(3.f, 0, 3.1f, 0.3f), // its edge is off the picture
       cube(0, 0, 0.12f, 0.05f), // about the eye
   };
-  const std::vector<std::uint8_t> hidden = hidden_grains(grains, clip(), wall(SIZE.width), SIZE);
-  EXPECT_EQ(hidden, (std::vector<std::uint8_t>{1, 0, 0, 0, 0}));
+  const HidingPicture picture(wall(SIZE.width), clip(), SIZE);
+  std::vector<bool> hidden;
+  for (const DrawGrain& grain : grains)
+    hidden.push_back(picture.hides(grain));
+  EXPECT_EQ(hidden, (std::vector<bool>{true, false, false, false, false}));
 }
 
 TEST(HiddenGrains, AreSeenThroughAGapNearThem) {
   // At 3 m a pixel is 3/32 m; the grain covers columns 31 and 32, and two more on either side count.
-  const std::vector<DrawGrain> grains = {cube(0, 0, 3.f, 0.05f)};
+  const DrawGrain grain = cube(0, 0, 3.f, 0.05f);
   for (int open = 20; open <= 34; ++open)
-    EXPECT_EQ(hidden_grains(grains, clip(), wall(open), SIZE)[0], 0) << open;
+    EXPECT_FALSE(HidingPicture(wall(open), clip(), SIZE).hides(grain)) << open;
   for (int open = 37; open < 50; ++open) // what is looked at in pairs of columns may be a little wider
-    EXPECT_EQ(hidden_grains(grains, clip(), wall(open), SIZE)[0], 1) << open;
+    EXPECT_TRUE(HidingPicture(wall(open), clip(), SIZE).hides(grain)) << open;
 }
 
 TEST(HiddenGrains, FarthestDepthsAreNeverNearerThanThoseOfTheRectangle) {
@@ -79,6 +82,16 @@ TEST(HiddenGrains, FarthestDepthsAreNeverNearerThanThoseOfTheRectangle) {
   }
 }
 
+TEST(NearestInCells, AreThoseWithFewNearerOnesInTheirCell) {
+  // Two cells of four pixels, the second with one point only; of equals the first in order counts as nearer.
+  const std::vector<Eigen::Vector3f> places = {{0, 0, 5}, {1, 3, 2}, {3, 1, 9}, {2, 2, 2}, {3, 3, 1}, {7, 0, 50}};
+  EXPECT_EQ(nearest_in_cells(places, 4.f, 1), (std::vector<std::uint32_t>{4, 5}));
+  EXPECT_EQ(nearest_in_cells(places, 4.f, 2), (std::vector<std::uint32_t>{1, 4, 5}));
+  EXPECT_EQ(nearest_in_cells(places, 4.f, 4), (std::vector<std::uint32_t>{0, 1, 3, 4, 5}));
+  EXPECT_EQ(nearest_in_cells(places, 4.f, 9).size(), places.size());
+  EXPECT_TRUE(nearest_in_cells({}, 4.f, 9).empty());
+}
+
 /// Squares of two by two across the light, at these depths, all about the middle of the map.
 std::vector<std::array<float, 3>> squares(const std::vector<float>& sides, const std::vector<float>& depths) {
   std::vector<std::array<float, 3>> corners;
@@ -92,7 +105,7 @@ std::vector<std::array<float, 3>> squares(const std::vector<float>& sides, const
 TEST(OutlineOrder, OnlyWhatIsWhollyBehindIsLeftOut) {
   // The second peeps out from behind the first; the third does not; the fourth lies before what is drawn.
   OutlineOrder order(squares({.25f, .5f, .125f, .125f}, {.2f, .6f, .7f, .4f}), Eigen::Matrix4f::Identity(), 64);
-  EXPECT_EQ(order.nearest(0.0), std::vector<std::uint32_t>{0});
+  EXPECT_EQ(order.first_met(1), std::vector<std::uint32_t>{0});
   std::vector<float> depth(64 * 64, 1.f);
   for (int y = 24; y < 40; ++y) {
     for (int x = 24; x < 40; ++x)
@@ -108,7 +121,7 @@ TEST(OutlineOrder, NothingIsDrawnTwiceOrForgottenOverAnEmptyMap) {
     depths.push_back(static_cast<float>((i * 7) % 40) / 40.f);
   }
   OutlineOrder order(squares(sides, depths), Eigen::Matrix4f::Identity(), 64);
-  std::vector<std::uint32_t> drawn = order.nearest(.4);
+  std::vector<std::uint32_t> drawn = order.first_met(3);
   const std::vector<std::uint32_t> rest = order.seen_of_the_rest(std::vector<float>(64 * 64, 1.f));
   drawn.insert(drawn.end(), rest.begin(), rest.end());
   std::sort(drawn.begin(), drawn.end());
