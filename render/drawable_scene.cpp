@@ -11,6 +11,7 @@
 
 #include "render/grain_shapes.h"
 #include "render/heat_values.h"
+#include "render/outward.h"
 #include "render/signs.h"
 
 namespace wry::render {
@@ -178,6 +179,7 @@ Status DrawableScene::add_body(const RenderPlan& plan, const SceneBody& body, st
     made.surface = split_at_creases(drawn_rest(body), body.triangles, CREASE_DEGREES);
   if (body.kind == BodyKind::surface) {
     made.tet_of_triangle = tets_of_triangles(body, made.surface);
+    made.closed_outward = is_closed_outward(body);
     m_triangle_count += made.surface.triangles.rows();
   }
   if (const auto found = plan.appearances.find(body.name); found != plan.appearances.end()) {
@@ -325,6 +327,16 @@ void DrawableScene::append_mesh_grains(const GrainCloud& cloud, std::size_t inde
   }
 }
 
+/// What is textured is drawn picture by picture, with both sides.
+bool DrawableScene::is_outward(const Frame& frame, std::size_t index, const View& view) const {
+  const SceneBody& body = m_scene.bodies[index];
+  const Body& own = m_bodies[index];
+  if (!own.closed_outward || (own.appearance && wears_looks(view)))
+    return false;
+  const Result<Points> positions = world_positions(body, frame.bodies[index], frame.number);
+  return positions.ok() && is_right_way_out(body, frame.bodies[index], *positions);
+}
+
 Status DrawableScene::append_surface(const Frame& frame, std::size_t index, const View& view, DrawList& list) const {
   const SceneBody& body = m_scene.bodies[index];
   const Body& own = m_bodies[index];
@@ -446,17 +458,23 @@ Result<DrawList> DrawableScene::list(const Frame& frame, const View& view) const
   const auto is_clear = [&](std::size_t b) {
     return sees_through && m_scene.bodies[b].kind == BodyKind::surface && m_looks[m_bodies[b].look].transparency > 0.f;
   };
-  for (const bool clear : {false, true}) {
-    if (clear)
+  enum class Group { outward, open, clear };
+  std::vector<Group> groups;
+  for (std::size_t b = 0; b < m_bodies.size(); ++b)
+    groups.push_back(is_clear(b) ? Group::clear : is_outward(frame, b, view) ? Group::outward : Group::open);
+  for (const Group group : {Group::outward, Group::open, Group::clear}) {
+    if (group == Group::clear)
       made.clear_begin = made.indices.size();
     for (std::size_t b = 0; b < m_bodies.size(); ++b) {
-      if (is_clear(b) != clear)
+      if (groups[b] != group)
         continue;
       const bool is_cloud = m_scene.bodies[b].kind == BodyKind::particles;
       const Status good = is_cloud ? append_cloud(frame, b, view, made) : append_surface(frame, b, view, made);
       if (!good.ok())
         return good.error();
     }
+    if (group == Group::outward)
+      made.outward_end = made.in_threes ? made.vertices.size() : made.indices.size();
   }
   if (made.in_threes)
     made.clear_begin = made.vertices.size();
@@ -516,9 +534,9 @@ Status DrawableScene::check_outside(const Frame& frame, const Vec3& point) const
     const Result<Points> positions = world_positions(body, frame.bodies[b], frame.number);
     if (!positions.ok())
       return positions.error();
-    SubjectBounds around;
-    around.include(*positions);
-    if (around.box().contains(point) && winding_number(*positions, body.triangles, point) > 0.5)
+    const Eigen::AlignedBox3d around(positions->colwise().minCoeff().transpose(),
+                                     positions->colwise().maxCoeff().transpose());
+    if (around.contains(point) && winding_number(*positions, body.triangles, point) > 0.5)
       return make_error(
           ErrorCode::bad_input,
           "frame {}: the camera at ({:.4g}, {:.4g}, {:.4g}) m is inside body {}; move it out or let it be "

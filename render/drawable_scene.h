@@ -54,6 +54,7 @@ struct DrawList {
   std::vector<std::array<float, 2>> uvs;        ///< per vertex; empty: nothing is textured
   std::vector<TexturedRange> textured;          ///< the rest has no texture
   std::vector<DrawCloud> clouds;
+  std::size_t outward_end = 0;        ///< corners up to here are of closed surfaces of which nobody sees a back face
   std::size_t clear_begin = SIZE_MAX; ///< corners from here on are of transparent bodies
   bool in_threes = false;             ///< each triangle has vertices of its own, `indices` stays empty
   bool heat = false;                  ///< `value` counts
@@ -86,10 +87,12 @@ private:
     std::shared_ptr<const MeshAppearance> appearance;
     std::vector<std::uint32_t> material_rows; ///< look row per material of the appearance
     std::size_t first_texture = 0;
+    bool closed_outward = false; ///< at rest
   };
 
   Status add_body(const RenderPlan& plan, const SceneBody& body, std::uint32_t look);
   Status check_frame(const Frame& frame) const;
+  bool is_outward(const Frame& frame, std::size_t body, const View& view) const;
   Status append_surface(const Frame& frame, std::size_t body, const View& view, DrawList& list) const;
   Status append_cloud(const Frame& frame, std::size_t body, const View& view, DrawList& list) const;
   Status append_marks(const Frame& frame, const View& view, DrawList& list) const;

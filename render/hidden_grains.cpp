@@ -196,35 +196,41 @@ OutlineOrder::OutlineOrder(std::span<const std::array<float, 3>> corners, const 
     : m_map_size(map_size) {
   constexpr std::size_t CORNERS = 4;
   const float half = 0.5f * static_cast<float>(map_size);
-  m_reaches.reserve(corners.size() / CORNERS);
+  const auto texels = [&](const std::array<float, 3>& place) {
+    const Vec3f clip =
+        clip_from_world.topLeftCorner<3, 3>() * vector_of(place) + clip_from_world.topRightCorner<3, 1>();
+    return Vec3f(half * (clip.x() + 1.f), half * (clip.y() + 1.f), clip.z());
+  };
+  m_outlines.reserve(corners.size() / CORNERS);
   double area = 0.0;
   for (std::size_t first = 0; first + CORNERS <= corners.size(); first += CORNERS) {
-    Vec3f low = Vec3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
-    for (std::size_t corner = first; corner < first + CORNERS; ++corner) {
-      const Vec3f clip =
-          clip_from_world.topLeftCorner<3, 3>() * vector_of(corners[corner]) + clip_from_world.topRightCorner<3, 1>();
-      low = low.cwiseMin(clip);
-      high = high.cwiseMax(clip);
-    }
-    m_reaches.push_back(
-        {half * (low.x() + 1.f), half * (low.y() + 1.f), half * (high.x() + 1.f), half * (high.y() + 1.f), low.z()});
-    const auto side = [&](std::size_t corner) {
-      return Vec3f(half * clip_from_world.topLeftCorner<3, 3>() *
-                   (vector_of(corners[first + corner]) - vector_of(corners[first])));
-    };
-    area += static_cast<double>(std::abs(side(1).x() * side(3).y() - side(1).y() * side(3).x()));
+    const Vec3f corner = texels(corners[first]);
+    Vec3f along = texels(corners[first + 1]) - corner;
+    Vec3f across = texels(corners[first + 3]) - corner;
+    area += static_cast<double>(std::abs(along.x() * across.y() - along.y() * across.x()));
+    if (along.head<2>().squaredNorm() < across.head<2>().squaredNorm())
+      along.swap(across);
+    m_outlines.push_back({corner, along, across});
   }
-  m_left.resize(m_reaches.size());
+  m_left.resize(m_outlines.size());
   std::iota(m_left.begin(), m_left.end(), 0u);
-  m_side = static_cast<float>(std::sqrt(area / std::max(static_cast<double>(m_reaches.size()), 1.0)));
+  m_side = static_cast<float>(std::sqrt(area / std::max(static_cast<double>(m_outlines.size()), 1.0)));
+}
+
+OutlineOrder::Reach OutlineOrder::reach_of(const Outline& outline) {
+  const Vec3f zero = Vec3f::Zero();
+  const Vec3f low = outline.corner + outline.along.cwiseMin(zero) + outline.across.cwiseMin(zero);
+  const Vec3f high = outline.corner + outline.along.cwiseMax(zero) + outline.across.cwiseMax(zero);
+  return {low.x(), low.y(), high.x(), high.y(), low.z()};
 }
 
 std::vector<std::uint32_t> OutlineOrder::first_met(std::size_t most) {
   std::vector<Vec3f> places;
   places.reserve(m_left.size());
   for (const std::uint32_t i : m_left) {
-    const Reach& reach = m_reaches[i];
-    places.emplace_back(0.5f * (reach.left + reach.right), 0.5f * (reach.bottom + reach.top), reach.nearest);
+    const Outline& outline = m_outlines[i];
+    const Vec3f middle = outline.corner + 0.5f * (outline.along + outline.across);
+    places.emplace_back(middle.x(), middle.y(), reach_of(outline).nearest);
   }
   std::vector<std::uint32_t> chosen = nearest_in_cells(places, m_side, most);
   std::vector<std::uint8_t> taken(m_left.size(), 0);
@@ -241,20 +247,40 @@ std::vector<std::uint32_t> OutlineOrder::first_met(std::size_t most) {
   return chosen;
 }
 
+bool OutlineOrder::is_hidden(const Reach& reach, const FarthestDepths& depths) const {
+  constexpr float SAFE = 1e-6f; // what a raster and this code may round differently
+  const float side = static_cast<float>(m_map_size);
+  const bool inside = reach.left > 1.f && reach.bottom > 1.f && reach.right < side - 1.f && reach.top < side - 1.f;
+  return inside && 1.f - reach.nearest + SAFE <
+                       depths.least(static_cast<int>(reach.left - 1.f), static_cast<int>(reach.bottom - 1.f),
+                                    static_cast<int>(reach.right + 1.f), static_cast<int>(reach.top + 1.f));
+}
+
+/// As a whole or piece by piece: what lies askew fits its rectangle badly.
+bool OutlineOrder::is_hidden(const Outline& outline, const FarthestDepths& depths) const {
+  constexpr int PIECES_MAX = 6;
+  if (is_hidden(reach_of(outline), depths))
+    return true;
+  const float ratio = outline.along.head<2>().norm() / std::max(outline.across.head<2>().norm(), 1.f);
+  const int pieces = std::clamp(static_cast<int>(ratio), 1, PIECES_MAX);
+  Outline piece = outline;
+  piece.along /= static_cast<float>(pieces);
+  bool all = pieces > 1;
+  for (int i = 0; i < pieces && all; ++i) {
+    piece.corner = outline.corner + static_cast<float>(i) * piece.along;
+    all = is_hidden(reach_of(piece), depths);
+  }
+  return all;
+}
+
 std::vector<std::uint32_t> OutlineOrder::seen_of_the_rest(std::vector<float> depth) const {
   // The least of what grows towards the light is the farthest.
   for (float& d : depth)
     d = 1.f - d;
   const FarthestDepths farthest(std::move(depth), {m_map_size, m_map_size});
-  constexpr float SAFE = 1e-6f; // what a raster and this code may round differently
   std::vector<std::uint32_t> chosen;
-  const float side = static_cast<float>(m_map_size);
   for (const std::uint32_t i : m_left) {
-    const Reach& reach = m_reaches[i];
-    const bool inside = reach.left > 1.f && reach.bottom > 1.f && reach.right < side - 1.f && reach.top < side - 1.f;
-    if (!inside || !(1.f - reach.nearest + SAFE <
-                     farthest.least(static_cast<int>(reach.left - 1.f), static_cast<int>(reach.bottom - 1.f),
-                                    static_cast<int>(reach.right + 1.f), static_cast<int>(reach.top + 1.f))))
+    if (!is_hidden(m_outlines[i], farthest))
       chosen.push_back(i);
   }
   return chosen;

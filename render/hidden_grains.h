@@ -82,7 +82,15 @@ private:
     float left, bottom, right, top; ///< [texels]
     float nearest;                  ///< depth
   };
-  std::vector<Reach> m_reaches;
+  /// A corner [texels, texels, depth] and the two sides from it, the longer first.
+  struct Outline {
+    Eigen::Vector3f corner, along, across;
+  };
+  static Reach reach_of(const Outline& outline);
+  bool is_hidden(const Outline& outline, const FarthestDepths& depths) const;
+  bool is_hidden(const Reach& reach, const FarthestDepths& depths) const;
+
+  std::vector<Outline> m_outlines;
   std::vector<std::uint32_t> m_left; ///< in order
   float m_side = 1.f;                ///< of a square of an outline's mean area [texels]
   int m_map_size;

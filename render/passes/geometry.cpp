@@ -118,6 +118,7 @@ void Geometry::upload_triangles(const DrawList& list) {
   m_indexed = !list.indices.empty();
   const std::size_t corners = m_indexed ? list.indices.size() : list.vertices.size();
   m_count = static_cast<GLsizei>(std::min(corners, list.clear_begin));
+  m_outward_count = static_cast<GLsizei>(std::min(list.outward_end, static_cast<std::size_t>(m_count)));
   m_clear_count = static_cast<GLsizei>(corners) - m_count;
   m_ranges = list.textured;
   const auto optional = [&](GLuint index, const GlObject& buffer, const auto& values) {
@@ -132,14 +133,26 @@ void Geometry::upload_triangles(const DrawList& list) {
   optional(UV, m_uvs, list.uvs);
 }
 
-void Geometry::draw() const {
-  if (m_count == 0)
+void Geometry::draw_corners(std::size_t begin, std::size_t end) const {
+  if (begin >= end)
     return;
-  m_gl.BindVertexArray(m_array.name());
   if (m_indexed)
-    m_gl.DrawElements(GL_TRIANGLES, m_count, GL_UNSIGNED_INT, nullptr);
+    m_gl.DrawElements(GL_TRIANGLES, static_cast<GLsizei>(end - begin), GL_UNSIGNED_INT, index_offset(begin));
   else
-    m_gl.DrawArrays(GL_TRIANGLES, 0, m_count);
+    m_gl.DrawArrays(GL_TRIANGLES, static_cast<GLint>(begin), static_cast<GLsizei>(end - begin));
+}
+
+void Geometry::draw_outward() const {
+  m_gl.Enable(GL_CULL_FACE);
+  m_gl.CullFace(GL_BACK);
+  draw_corners(0, static_cast<std::size_t>(m_outward_count));
+  m_gl.Disable(GL_CULL_FACE);
+}
+
+void Geometry::draw() const {
+  m_gl.BindVertexArray(m_array.name());
+  draw_outward();
+  draw_corners(static_cast<std::size_t>(m_outward_count), static_cast<std::size_t>(m_count));
 }
 
 void Geometry::draw_clear() const {
@@ -153,9 +166,13 @@ void Geometry::draw_textured(const std::function<void(GLuint)>& bind) const {
     if (begin >= end)
       return;
     bind(texture);
-    m_gl.DrawElements(GL_TRIANGLES, static_cast<GLsizei>(end - begin), GL_UNSIGNED_INT, index_offset(begin));
+    draw_corners(begin, end);
   };
-  std::uint32_t done = 0;
+  auto done = static_cast<std::uint32_t>(m_outward_count);
+  if (done > 0) {
+    bind(0);
+    draw_outward();
+  }
   for (const TexturedRange& range : m_ranges) {
     draw_range(done, range.begin, 0);
     draw_range(range.begin, range.end, m_textures[range.texture].name());

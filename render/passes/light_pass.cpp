@@ -72,6 +72,9 @@ struct LightPrograms {
   Program subject;
   Program clay;
   Program heat;
+  Program open_subject; ///< where the key light is known to arrive
+  Program open_clay;
+  Program open_heat;
   Program clear; ///< transparent bodies
   Program sum;   ///< adds a finished sub-frame
 };
@@ -127,11 +130,12 @@ private:
       m_resources.gl.Enable(GL_BLEND);
   }
 
-  const Program& subject_program(const SubFrame& sub_frame) const {
+  const Program& subject_program(const SubFrame& sub_frame, KeyLight key) const {
+    const bool open = key == KeyLight::open;
     const Colouring colouring = sub_frame.view->colouring;
-    return colouring == Colouring::heat   ? m_programs.heat
-           : colouring == Colouring::look ? m_programs.subject
-                                          : m_programs.clay;
+    return colouring == Colouring::heat   ? (open ? m_programs.open_heat : m_programs.heat)
+           : colouring == Colouring::look ? (open ? m_programs.open_subject : m_programs.subject)
+                                          : (open ? m_programs.open_clay : m_programs.clay);
   }
 
   void draw_everywhere(const SubFrame& sub_frame, float weight) {
@@ -143,7 +147,7 @@ private:
     draw_with(m_programs.shaded, sub_frame, weight, {touched});
     draw_with(m_programs.open, sub_frame, weight, around(touched, m_resources.targets.size));
     gl.DepthFunc(GL_LESS);
-    draw_with(subject_program(sub_frame), sub_frame, weight, {touched});
+    draw_with(subject_program(sub_frame, KeyLight::shaded), sub_frame, weight, {touched});
   }
 
   /// As draw_everywhere(), but floor and backdrop away from the subject once for all sub-frames, in the last.
@@ -168,7 +172,8 @@ private:
     draw_with(m_programs.shaded, sub_frame, share(sub_frame), m_tiles.shaded_floor());
     draw_with(m_programs.open, sub_frame, share(sub_frame), m_tiles.open_floor());
     gl.DepthFunc(GL_LESS);
-    draw_with(subject_program(sub_frame), sub_frame, share(sub_frame), m_tiles.subject());
+    draw_with(subject_program(sub_frame, KeyLight::shaded), sub_frame, share(sub_frame), m_tiles.shaded_subject());
+    draw_with(subject_program(sub_frame, KeyLight::open), sub_frame, share(sub_frame), m_tiles.open_subject());
   }
 
   void begin_tiles(const SubFrame& sub_frame) {
@@ -347,18 +352,21 @@ Result<std::unique_ptr<Pass>> create_light_pass(const PassResources& resources) 
   const bool coated = std::any_of(resources.looks.begin(), resources.looks.end(),
                                   [](const Look& look) { return look.clearcoat > 0.f; });
   const Coats coats = coated ? Coats::some : Coats::none;
+  const auto subject = [&](Colouring colouring, Coats layers, KeyLight key) {
+    return subject_fragment_shader(resources.plan, lights, colouring, layers, key);
+  };
   LightPrograms programs;
   for (const auto& [program, what, source] :
        {std::tuple(&programs.shaded, "shaded surround light",
-                   surround_fragment_shader(resources.plan, lights, Surround::shaded)),
+                   surround_fragment_shader(resources.plan, lights, KeyLight::shaded)),
         std::tuple(&programs.open, "open surround light",
-                   surround_fragment_shader(resources.plan, lights, Surround::open)),
-        std::tuple(&programs.subject, "subject light",
-                   subject_fragment_shader(resources.plan, lights, Colouring::look, coats)),
-        std::tuple(&programs.clay, "clay light",
-                   subject_fragment_shader(resources.plan, lights, Colouring::clay, Coats::none)),
-        std::tuple(&programs.heat, "heat light",
-                   subject_fragment_shader(resources.plan, lights, Colouring::heat, Coats::none))}) {
+                   surround_fragment_shader(resources.plan, lights, KeyLight::open)),
+        std::tuple(&programs.subject, "subject light", subject(Colouring::look, coats, KeyLight::shaded)),
+        std::tuple(&programs.clay, "clay light", subject(Colouring::clay, Coats::none, KeyLight::shaded)),
+        std::tuple(&programs.heat, "heat light", subject(Colouring::heat, Coats::none, KeyLight::shaded)),
+        std::tuple(&programs.open_subject, "open subject light", subject(Colouring::look, coats, KeyLight::open)),
+        std::tuple(&programs.open_clay, "open clay light", subject(Colouring::clay, Coats::none, KeyLight::open)),
+        std::tuple(&programs.open_heat, "open heat light", subject(Colouring::heat, Coats::none, KeyLight::open))}) {
     Result<Program> made = Program::create(resources.gl, what, FULL_SCREEN_VERTEX_SHADER, source);
     if (!made.ok())
       return made.error();

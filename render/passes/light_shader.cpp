@@ -235,7 +235,11 @@ void main() {
   float facing = dot(n, v);
   n = facing < 0.02 ? normalize(n + v * (0.02 - facing)) : n;
   vec3 occlusion = texelFetch(occlusion_map, pixel, 0).xyz;
+#ifdef SHADED
   float key = SHADOWED >= 0 ? key_visibility(position, n, occlusion.yz) : 1.0;
+#else
+  float key = 1.0;
+#endif
   float ambient = mix(1.0, occlusion.x, occlusion_share);
 #ifdef HEAT
   vec3 lit = heat_shade(surface.x & 65535u, n, v, key, ambient);
@@ -339,8 +343,10 @@ void main() {
   light_out = vec4(min(added + 0.5 * body, vec3(64.0)) * weight, opacity);
 })";
 
+const char* const SHADED = "#define SHADED\n";
+
 /// Counts are constants of the program: llvmpipe runs a loop of unknown length several times slower.
-std::string beginning(const RenderPlan& plan, const LightState& lights, const char* variant) {
+std::string beginning(const RenderPlan& plan, const LightState& lights, const std::string& variant) {
   return fmt::format("#version 450 core\n#define LIGHT_COUNT {}\n#define SHADOWED {}\n#define KEY_TAPS {}\n{}{}{}",
                      lights.count, lights.shadowed, lights.key_taps, variant,
                      plan.rig.surroundings ? "#define ENVIRONMENT\n" : "",
@@ -350,13 +356,14 @@ std::string beginning(const RenderPlan& plan, const LightState& lights, const ch
 
 } // namespace
 
-std::string subject_fragment_shader(const RenderPlan& plan, const LightState& lights, Colouring colouring,
-                                    Coats coats) {
+std::string subject_fragment_shader(const RenderPlan& plan, const LightState& lights, Colouring colouring, Coats coats,
+                                    KeyLight key) {
   const char* variant = colouring == Colouring::heat   ? "#define HEAT\n"
                         : colouring != Colouring::look ? ""
                         : coats == Coats::some         ? "#define TINTED\n#define COATED\n"
                                                        : "#define TINTED\n";
-  return beginning(plan, lights, variant) + MATERIAL + SUBJECT_MAIN;
+  return beginning(plan, lights, variant + std::string(key == KeyLight::shaded ? SHADED : "")) + MATERIAL +
+         SUBJECT_MAIN;
 }
 
 std::string clear_vertex_shader() {
@@ -367,8 +374,8 @@ std::string clear_fragment_shader(const RenderPlan& plan, const LightState& ligh
   return beginning(plan, lights, "") + MATERIAL + CLEAR_MAIN;
 }
 
-std::string surround_fragment_shader(const RenderPlan& plan, const LightState& lights, Surround surround) {
-  return beginning(plan, lights, surround == Surround::shaded ? "#define SHADED\n" : "") + SURROUND_MAIN;
+std::string surround_fragment_shader(const RenderPlan& plan, const LightState& lights, KeyLight key) {
+  return beginning(plan, lights, key == KeyLight::shaded ? SHADED : "") + SURROUND_MAIN;
 }
 
 } // namespace wry::render

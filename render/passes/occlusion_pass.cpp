@@ -3,6 +3,7 @@
 #include <array>
 #include <tuple>
 
+#include "render/passes/picture_tiles.h"
 #include "render/passes/shader_parts.h"
 
 namespace wry::render {
@@ -115,10 +116,6 @@ void main() {
   ivec2 half_pixel = ivec2(gl_FragCoord.xy);
   ivec2 pixel = min(half_pixel * 2, textureSize(surface_map, 0) - 1);
   float z = texelFetch(distance_map, half_pixel, 0).x;
-  if (z >= 1e8) {
-    found = vec4(1.0, 0.0, 0.0, 6e4);
-    return;
-  }
   vec3 ray = ray_through(vec2(pixel) + 0.5);
   uvec2 surface = texelFetch(surface_map, pixel, 0).xy;
   vec3 n = surface.x != 0u ? from_octahedral(unpackSnorm2x16(surface.y)) : world_up;
@@ -127,7 +124,7 @@ void main() {
   float phase = fract(turn * 7.0 + 0.25);
   float seen = visibility(gl_FragCoord.xy, ray, z, n, turn, phase);
   vec2 blocked = shadowed >= 0 ? blockers(eye + ray * z, n, turn) : vec2(0.0);
-  found = vec4(seen, blocked, z / scene_radius);
+  found = z >= 1e8 ? vec4(1.0, 0.0, 0.0, 6e4) : vec4(seen, blocked, z / scene_radius);
 })";
 
 /// Mean of 4 x 4 neighbours at about the same distance: along x at half size, then along y while enlarging.
@@ -197,7 +194,8 @@ public:
   OcclusionPass(const PassResources& resources, OcclusionPrograms programs, OcclusionTargets targets)
       : m_resources(resources)
       , m_programs(std::move(programs))
-      , m_targets(std::move(targets)) {}
+      , m_targets(std::move(targets))
+      , m_tiles(resources.targets.size) {}
 
   void draw(const SubFrame& sub_frame) override {
     const GlFunctions& gl = m_resources.gl;
@@ -205,19 +203,20 @@ public:
     const std::array<float, 4> open = {1.f, 0.f, 0.f, 1.f};
     gl.Disable(GL_DEPTH_TEST);
     gl.Disable(GL_BLEND);
-    gl.ClearNamedFramebufferfv(m_targets.occlusion_frame.name(), GL_COLOR, 0, open.data());
+    gl.ClearNamedFramebufferfv(m_targets.mean_frame.name(), GL_COLOR, 0, open.data()); // beyond what is touched
     const PixelRect half = halved(sub_frame.touched);
     step(m_programs.distance, m_targets.distance_frame, shared.half_size,
-         {0, 0, shared.half_size.width, shared.half_size.height}, sub_frame, {{{"depth_map", shared.depth.name()}}});
+         {{0, 0, shared.half_size.width, shared.half_size.height}}, sub_frame, {{{"depth_map", shared.depth.name()}}});
     gl.BindSampler(2, m_targets.plain_sampler.name());
-    step(m_programs.search, m_targets.found_frame, shared.half_size, half, sub_frame,
+    step(m_programs.search, m_targets.found_frame, shared.half_size, {half}, sub_frame,
          {{{"distance_map", m_targets.distance.name()},
            {"surface_map", shared.surface.name()},
            {"shadow_depth_map", shared.shadow.name()}}});
     gl.BindSampler(2, 0);
-    step(m_programs.mean_x, m_targets.mean_frame, shared.half_size, half, sub_frame,
+    step(m_programs.mean_x, m_targets.mean_frame, shared.half_size, {half}, sub_frame,
          {{{"found_map", m_targets.found.name()}}});
-    step(m_programs.enlarge, m_targets.occlusion_frame, shared.size, sub_frame.touched, sub_frame,
+    gl.ClearNamedFramebufferfv(m_targets.occlusion_frame.name(), GL_COLOR, 0, open.data());
+    step(m_programs.enlarge, m_targets.occlusion_frame, shared.size, enclosed(), sub_frame,
          {{{"found_map", m_targets.mean.name()}, {"depth_map", shared.depth.name()}}});
   }
 
@@ -230,7 +229,7 @@ private:
             (full.height + 3) / 2 + 2 * REACH};
   }
 
-  void step(const Program& program, const GlObject& frame, const ImageSize& size, const PixelRect& rect,
+  void step(const Program& program, const GlObject& frame, const ImageSize& size, const std::vector<PixelRect>& rects,
             const SubFrame& sub_frame, const Inputs& inputs) {
     const GlFunctions& gl = m_resources.gl;
     gl.BindFramebuffer(GL_FRAMEBUFFER, frame.name());
@@ -243,12 +242,26 @@ private:
       gl.BindTextureUnit(static_cast<GLuint>(unit), inputs[unit].second);
       program.set(inputs[unit].first, static_cast<int>(unit));
     }
-    draw_in_rect(gl, rect);
+    for (const PixelRect& rect : rects)
+      draw_in_rect(gl, rect);
+  }
+
+  /// Where anything stands before the sky or the key light, and beside it: the rest is open already.
+  std::vector<PixelRect> enclosed() {
+    const ImageSize& half = m_resources.targets.half_size;
+    m_mean.resize(static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height));
+    m_resources.gl.GetTextureImage(m_targets.mean.name(), 0, GL_RGBA, GL_HALF_FLOAT,
+                                   static_cast<GLsizei>(m_mean.size() * sizeof(m_mean.front())), m_mean.data());
+    m_tiles.clear();
+    m_tiles.take_enclosed(m_mean, half);
+    return m_tiles.enclosed();
   }
 
   PassResources m_resources;
   OcclusionPrograms m_programs;
   OcclusionTargets m_targets;
+  PictureTiles m_tiles;
+  std::vector<std::array<std::uint16_t, 4>> m_mean; ///< as the tiles read it
 };
 
 Result<OcclusionTargets> make_occlusion_targets(const PassResources& resources) {

@@ -46,7 +46,8 @@ public:
   Geometry(const GlFunctions& gl, const std::vector<Image>& textures);
   void upload(const DrawList& list);
   bool has_triangles() const { return m_count > 0; }
-  /// All triangles that are not transparent; draw_textured() through `bind` for each run of one picture (0: none).
+  /// All triangles that are not transparent, without the back faces of closed surfaces; draw_textured() through `bind`
+  /// for each run of one picture (0: none).
   void draw() const;
   void draw_clear() const; ///< the transparent ones
   bool has_clear() const { return m_clear_count > 0; }
@@ -83,7 +84,10 @@ private:
 
   const GlFunctions& m_gl;
   GlObject m_vertices, m_indices, m_velocities, m_uvs, m_array;
-  GLsizei m_count = 0, m_clear_count = 0;
+  void draw_corners(std::size_t begin, std::size_t end) const;
+  void draw_outward() const;
+
+  GLsizei m_count = 0, m_outward_count = 0, m_clear_count = 0;
   bool m_indexed = false;
   std::vector<GlObject> m_textures;
   std::vector<TexturedRange> m_ranges;

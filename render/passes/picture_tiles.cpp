@@ -48,6 +48,27 @@ void PictureTiles::take_blockers(std::span<const std::array<std::uint8_t, 4>> oc
   }
 }
 
+void PictureTiles::take_enclosed(std::span<const std::array<std::uint16_t, 4>> mean, const ImageSize& half_size) {
+  assert(mean.size() == static_cast<std::size_t>(half_size.width) * static_cast<std::size_t>(half_size.height));
+  constexpr int HALF_SIDE = SIDE / 2;
+  constexpr std::uint16_t OPEN = 0x3BFE; // .99902: rounds to all of 8 bits; half floats above 0 are ordered as integers
+  std::vector<std::uint8_t> found(m_marks.size(), 0);
+  for (int y = 0; y < half_size.height; ++y) {
+    const std::array<std::uint16_t, 4>* row =
+        mean.data() + static_cast<std::ptrdiff_t>(y) * static_cast<std::ptrdiff_t>(half_size.width);
+    for (int x = 0; x < half_size.width; ++x) {
+      const bool closed = row[x][0] < OPEN || row[x][0] >= 0x8000 || row[x][2] != 0;
+      found[place_of(y / HALF_SIDE, x / HALF_SIDE)] |= static_cast<std::uint8_t>(closed);
+    }
+  }
+  for (int tile_row = 0; tile_row < m_rows; ++tile_row) {
+    for (int column = 0; column < m_columns; ++column) {
+      if (found[place_of(tile_row, column)] != 0)
+        keep_drawing({(column - 1) * SIDE, (tile_row - 1) * SIDE, 3 * SIDE, 3 * SIDE});
+    }
+  }
+}
+
 void PictureTiles::take_depths(std::span<const float> depth) {
   assert(depth.size() == static_cast<std::size_t>(m_size.width) * static_cast<std::size_t>(m_size.height));
   for (std::uint8_t& mark : m_marks)
@@ -68,8 +89,16 @@ void PictureTiles::take_depths(std::span<const float> depth) {
   }
 }
 
-std::vector<PixelRect> PictureTiles::subject() const {
-  return rects(SUBJECT, 0);
+std::vector<PixelRect> PictureTiles::enclosed() const {
+  return rects(BUSY, 0);
+}
+
+std::vector<PixelRect> PictureTiles::shaded_subject() const {
+  return rects(SUBJECT | SHADED, 0);
+}
+
+std::vector<PixelRect> PictureTiles::open_subject() const {
+  return rects(SUBJECT, SHADED);
 }
 
 std::vector<PixelRect> PictureTiles::shaded_floor() const {

@@ -24,11 +24,18 @@ public:
   /// Tiles where the key light has blockers change, and those next to them. `occlusion`: the occlusion layer, row after
   /// row from the bottom: visibility, distance and share of the blockers, 1.
   void take_blockers(std::span<const std::array<std::uint8_t, 4>> occlusion);
+  /// Marks tiles where something stands before the sky or the key light, and those next to them. `mean`: the occlusion
+  /// at half the size, as half floats, row after row from the bottom: visibility, distance times share, share, any.
+  void take_enclosed(std::span<const std::array<std::uint16_t, 4>> mean, const ImageSize& half_size);
+  std::vector<PixelRect> enclosed() const;
+
   /// Takes what a sub-frame sees. `depth`: row after row from the bottom, 0 where nothing of the subject is.
   void take_depths(std::span<const float> depth);
 
-  /// The subject is in them in this sub-frame.
-  std::vector<PixelRect> subject() const;
+  /// The subject is in them in this sub-frame, and the key light may be blocked there.
+  std::vector<PixelRect> shaded_subject() const;
+  /// The subject is in them, and all of the key light arrives.
+  std::vector<PixelRect> open_subject() const;
   /// They show floor that the subject may shade.
   std::vector<PixelRect> shaded_floor() const;
   /// They show floor without shadow beside the subject.

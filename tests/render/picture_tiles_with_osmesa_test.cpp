@@ -41,7 +41,7 @@ TEST(PictureTiles, APictureWithoutASubjectIsStillEverywhereAndOneRectangle) {
   tiles.take_depths(empty_depths());
   ASSERT_EQ(tiles.still().size(), 1U);
   EXPECT_EQ(pixels(tiles.still()), SIZE.width * SIZE.height);
-  EXPECT_TRUE(tiles.subject().empty());
+  EXPECT_TRUE(tiles.open_subject().empty());
   EXPECT_TRUE(tiles.open_floor().empty());
 }
 
@@ -62,7 +62,7 @@ TEST(PictureTiles, EveryPixelIsEitherStillOrDrawnInEachSubFrame) {
   }
   for (const int number : times)
     EXPECT_EQ(number, 1);
-  EXPECT_EQ(cover(tiles.subject())[20 * 100 + 20], 1);
+  EXPECT_EQ(cover(tiles.open_subject())[20 * 100 + 20], 1);
   EXPECT_EQ(cover(tiles.shaded_floor())[(50 + PictureTiles::SIDE) * 100 + 50], 1) << "next to what is blocked";
 }
 
@@ -75,7 +75,7 @@ TEST(PictureTiles, ATileThatTheSubjectEntersLaterOwesItsFloorOnce) {
   EXPECT_EQ(pixels(tiles.newly_busy()), PictureTiles::SIDE * PictureTiles::SIDE);
   tiles.take_depths(empty_depths());
   EXPECT_TRUE(tiles.newly_busy().empty());
-  EXPECT_TRUE(tiles.subject().empty());
+  EXPECT_TRUE(tiles.open_subject().empty());
   EXPECT_EQ(pixels(tiles.open_floor()), PictureTiles::SIDE * PictureTiles::SIDE) << "it is drawn from now on";
 }
 
@@ -84,7 +84,25 @@ TEST(PictureTiles, ATileFullOfTheSubjectShowsNoFloor) {
   tiles.take_depths(std::vector<float>(empty_depths().size(), .5f));
   EXPECT_TRUE(tiles.open_floor().empty());
   EXPECT_TRUE(tiles.shaded_floor().empty());
-  EXPECT_EQ(pixels(tiles.subject()), SIZE.width * SIZE.height);
+  EXPECT_EQ(pixels(tiles.open_subject()), SIZE.width * SIZE.height);
+}
+
+TEST(PictureTiles, TilesAboutWhatIsEnclosedAreAllThatIsEnlarged) {
+  constexpr ImageSize HALF{50, 35};
+  constexpr std::uint16_t ONE = 0x3C00, NEARLY = 0x3BF0;
+  const std::vector<std::array<std::uint16_t, 4>> open(50 * 35, {ONE, 0, 0, ONE});
+  PictureTiles tiles(SIZE);
+  tiles.take_enclosed(open, HALF);
+  EXPECT_TRUE(tiles.enclosed().empty());
+  for (const std::array<std::uint16_t, 4>& there :
+       {std::array<std::uint16_t, 4>{NEARLY, 0, 0, ONE}, {ONE, 0, 1, ONE}}) {
+    std::vector<std::array<std::uint16_t, 4>> mean = open;
+    mean[17 * 50 + 25] = there; // tile 3, 2
+    tiles.clear();
+    tiles.take_enclosed(mean, HALF);
+    EXPECT_EQ(pixels(tiles.enclosed()), 48 * 48);
+    EXPECT_EQ(cover(tiles.enclosed())[34 * 100 + 50], 1);
+  }
 }
 
 } // namespace
