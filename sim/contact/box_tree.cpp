@@ -10,13 +10,14 @@ constexpr std::int32_t LEAF_SIZE = 4;
 /// A tree is built anew when its boxes have become larger by this factor, against what they contain.
 constexpr double MOST_LOOSENESS = 1.3;
 
-double size_of(const Box& box) {
+template <class AnyBox> double size_of(const AnyBox& box) {
   return (box.high[0] - box.low[0]) + (box.high[1] - box.low[1]) + (box.high[2] - box.low[2]);
 }
 
 } // namespace
 
-void BoxTree::build(const std::vector<Box>& boxes, std::size_t begin, std::size_t end) {
+template <class AnyBox>
+void TreeOf<AnyBox>::build(const std::vector<AnyBox>& boxes, std::size_t begin, std::size_t end) {
   m_nodes.clear();
   m_members.resize(end - begin);
   std::iota(m_members.begin(), m_members.end(), static_cast<std::int32_t>(begin));
@@ -29,7 +30,8 @@ void BoxTree::build(const std::vector<Box>& boxes, std::size_t begin, std::size_
   m_built_looseness = looseness();
 }
 
-void BoxTree::update(const std::vector<Box>& boxes, std::size_t begin, std::size_t end) {
+template <class AnyBox>
+void TreeOf<AnyBox>::update(const std::vector<AnyBox>& boxes, std::size_t begin, std::size_t end) {
   const bool same = m_members.size() == end - begin && !m_members.empty();
   if (same)
     refit(boxes);
@@ -38,7 +40,7 @@ void BoxTree::update(const std::vector<Box>& boxes, std::size_t begin, std::size
 }
 
 /// Children come after their parents.
-void BoxTree::refit(const std::vector<Box>& boxes) {
+template <class AnyBox> void TreeOf<AnyBox>::refit(const std::vector<AnyBox>& boxes) {
   for (std::size_t i = 0; i < m_members.size(); ++i)
     m_leaf_boxes[i] = boxes[m_members[i]];
   for (std::size_t index = m_nodes.size(); index-- > 0;) {
@@ -55,18 +57,19 @@ void BoxTree::refit(const std::vector<Box>& boxes) {
 }
 
 /// Sizes of the nodes over those of what is in them: how much is visited in vain.
-double BoxTree::looseness() const {
+template <class AnyBox> double TreeOf<AnyBox>::looseness() const {
   double nodes = 0.0;
   double members = 0.0;
   for (const Node& node : m_nodes)
     nodes += size_of(node.box);
-  for (const Box& box : m_leaf_boxes)
+  for (const AnyBox& box : m_leaf_boxes)
     members += size_of(box);
   return members > 0.0 ? nodes / members : 0.0;
 }
 
-std::int32_t BoxTree::build_node(const std::vector<Box>& boxes, std::int32_t begin, std::int32_t end) {
-  Box box = boxes[m_members[begin]];
+template <class AnyBox>
+std::int32_t TreeOf<AnyBox>::build_node(const std::vector<AnyBox>& boxes, std::int32_t begin, std::int32_t end) {
+  AnyBox box = boxes[m_members[begin]];
   double low[3];
   double high[3];
   for (int i = 0; i < 3; ++i)
@@ -74,11 +77,12 @@ std::int32_t BoxTree::build_node(const std::vector<Box>& boxes, std::int32_t beg
   std::int32_t last = 0;
   for (std::int32_t k = begin; k < end; ++k) {
     last = std::max(last, m_members[k]);
-    const Box& other = boxes[m_members[k]];
+    const AnyBox& other = boxes[m_members[k]];
     box.include(other);
     for (int i = 0; i < 3; ++i) {
-      low[i] = std::min(low[i], other.low[i] + other.high[i]);
-      high[i] = std::max(high[i], other.low[i] + other.high[i]);
+      const double twice_middle = other.low[i] + other.high[i];
+      low[i] = std::min(low[i], twice_middle);
+      high[i] = std::max(high[i], twice_middle);
     }
   }
   const auto index = static_cast<std::int32_t>(m_nodes.size());
@@ -99,5 +103,8 @@ std::int32_t BoxTree::build_node(const std::vector<Box>& boxes, std::int32_t beg
   m_nodes[index].right = build_node(boxes, middle, end);
   return index;
 }
+
+template class TreeOf<Box>;
+template class TreeOf<MovingBox>;
 
 } // namespace wry::contact

@@ -13,36 +13,23 @@ namespace wry::contact {
 namespace {
 
 constexpr std::size_t GRAIN = 128;
+constexpr std::size_t GROUP = BoxSearch<Box>::GROUP;
 /// Rooms go on beyond the end of a way by this many times as much, where the next steps go, at most by so many margins.
 constexpr double STEPS_AHEAD = 2.0;
 constexpr double AHEAD = 2.0;
-/// Ways longer than so many margins are long.
+/// Ways longer than so many margins are searched for themselves: a list with rooms for them would be too long, and be
+/// left at once by what follows.
 constexpr double LONG_WAY = 4.0;
-/// Lists for ways longer than so many margins are made anew for short ways: looking through them takes longer.
-constexpr double TOO_LONG_WAY = 16.0;
-/// Half the side of small boxes, as a share of the distance.
-constexpr double SMALL_ROOM = 0.25;
+/// A list pays when it serves so often: making it takes as long as so many searches for one way.
+constexpr int PAYS = 4;
+/// The radius of the small balls around places along the ways, as a share of the distance.
+constexpr double SMALL_BALL = 0.45;
 constexpr std::size_t PICK_GRAIN = 2048;
 /// Numbers that are kept in single precision are moved by this share to the safe side.
 constexpr float SINGLE_SLACK = 1e-6F;
 
-bool share_node(const Surface::Edge& a, const Surface::Edge& b) {
-  return a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1];
-}
-
-bool has_node(const Surface::Triangle& triangle, std::int32_t node) {
-  return triangle[0] == node || triangle[1] == node || triangle[2] == node;
-}
-
-/// Where the primitives of each part begin: they come part by part.
-template <class Primitives, class NodeOf>
-std::vector<std::size_t> first_of_parts(const Surface& surface, const Primitives& primitives, const NodeOf& node_of) {
-  std::vector<std::size_t> first(static_cast<std::size_t>(surface.part_count()) + 1, 0);
-  for (const auto& primitive : primitives)
-    ++first[static_cast<std::size_t>(surface.part_of_node(node_of(primitive))) + 1];
-  for (std::size_t part = 1; part < first.size(); ++part)
-    first[part] += first[part - 1];
-  return first;
+template <class Primitive> bool has_node(const Primitive& primitive, std::int32_t node) {
+  return std::find(primitive.begin(), primitive.end(), node) != primitive.end();
 }
 
 /// A plane across the way between the nearest points shows how far apart they are at least, whatever was rounded in
@@ -62,6 +49,14 @@ double proven_distance(PairKind kind, const PairPoints& points) {
   return std::max(0.0, gap - 16.0 * std::numeric_limits<double>::epsilon() * size);
 }
 
+/// The order in which trees find pairs depends on when they were built; sums over pairs must not.
+void sort_pairs(std::vector<CandidatePair>& pairs, std::size_t begin) {
+  std::sort(pairs.begin() + static_cast<std::ptrdiff_t>(begin), pairs.end(),
+            [](const CandidatePair& a, const CandidatePair& b) {
+              return a.first != b.first ? a.first < b.first : a.second < b.second;
+            });
+}
+
 PairPoints gather(const Points& x, const std::array<std::int32_t, 4>& nodes) {
   PairPoints points;
   for (int k = 0; k < 4; ++k)
@@ -77,13 +72,9 @@ BroadPhase::BroadPhase(const Surface& surface, const Threads& threads, std::size
     , m_threads(threads)
     , m_most_pairs(most_pairs)
     , m_reach_within(std::move(reach_within))
-    , m_first_point(first_of_parts(surface, surface.points(), [](std::int32_t point) { return point; }))
-    , m_first_edge(first_of_parts(surface, surface.edges(), [](const Surface::Edge& edge) { return edge[0]; }))
-    , m_first_triangle(
-          first_of_parts(surface, surface.triangles(), [](const Surface::Triangle& triangle) { return triangle[0]; }))
-    , m_triangle_trees(static_cast<std::size_t>(surface.part_count()))
-    , m_edge_trees(static_cast<std::size_t>(surface.part_count()))
-    , m_partners(static_cast<std::size_t>(surface.part_count())) {
+    , m_first_point(first_points_of_parts(surface))
+    , m_room_search(surface, threads)
+    , m_moving_search(surface, threads) {
   for (int a = 0; a < surface.part_count(); ++a) {
     for (int b = 0; b <= a; ++b) {
       if (surface.meet(a, b))
@@ -110,7 +101,10 @@ Points BroadPhase::middles_of(const Points& positions, PairGroup group) const {
 }
 
 void BroadPhase::measure_ways(PairGroup group, const Points& positions, Ways& out) const {
-  const Points& since = lists(group).measured_at;
+  measure_ways(group, lists(group).near_measured_at, positions, out);
+}
+
+void BroadPhase::measure_ways(PairGroup group, const Points& since, const Points& positions, Ways& out) const {
   out.measure(m_surface, since, middles_of(since, group), positions, middles_of(positions, group));
 }
 
@@ -164,79 +158,107 @@ void BroadPhase::give_rooms(const Points& from, const Points& to, PairGroup grou
 }
 
 bool BroadPhase::cover(const Points& from, const Points& to, double distance, double margin) {
-  bool searched = false;
-  bool fits = true;
+  const int searches = m_searches;
   for (const PairGroup group : PAIR_GROUPS) {
     Lists& lists = m_lists[static_cast<std::size_t>(group)];
-    if (!lists.needed)
+    if (!lists.needed || cover_group(group, from, to, distance, margin))
       continue;
-    // Lists for long ways are always made anew, so that whether they fit depends on these ways alone and not on what
-    // was searched before: a run that is resumed must take the same steps.
-    const double way = longest_way(from, to, group);
-    const bool anew = way > LONG_WAY * margin ||
-                      (&from != &to && lists.longest_way > TOO_LONG_WAY * margin && way < 0.25 * lists.longest_way);
-    if (!lists.valid || anew || distance > lists.distance || !hold(lists.rooms, group, from, to)) {
-      searched = true;
-      give_rooms(from, to, group, margin);
-      lists.longest_way = way;
-      lists.distance = distance;
-      lists.measured_at = from;
-      lists.picked = false;
-      lists.valid = search(group, distance);
-    }
-    if (!lists.valid) {
-      for (const std::size_t kind : {0, 1}) {
-        lists.pairs[kind].clear();
-        lists.near[kind].clear();
-      }
-      fits = false;
-      break;
-    }
-    if (!lists.picked || !is_picked_for(lists, from, middles_of(from, group)) ||
-        !is_picked_for(lists, to, middles_of(to, group)))
-      pick(from, to, group);
+    lists.near_valid = false;
+    for (const std::size_t kind : {0, 1})
+      lists.near[kind].clear();
+    return false;
   }
-  m_searches += searched ? 1 : 0;
-  return fits;
+  m_searches = std::min(m_searches, searches + 1);
+  return true;
 }
 
-/// Whether all nodes are in small boxes around places equally far along their ways. Such positions, and all between
+bool BroadPhase::cover_group(PairGroup group, const Points& from, const Points& to, double distance, double margin) {
+  Lists& lists = m_lists[static_cast<std::size_t>(group)];
+  const double way = longest_way(from, to, group);
+  // Long ways are always searched for, so that whether their pairs fit depends on them alone and not on what was
+  // searched before: a run that is resumed must take the same steps.
+  if (way > LONG_WAY * margin) {
+    lists.unserved = 0;
+    if (search_moving(from, to, group, distance))
+      return true;
+    const bool fits = make_list(from, to, group, distance, margin);
+    lists.valid = false; // too long for short ways
+    return fits;
+  }
+  if (lists.near_valid && distance <= lists.near_distance && is_near_valid_for(lists, group, from) &&
+      (&from == &to || is_near_valid_for(lists, group, to)) &&
+      (!lists.near_is_picked || hold(lists.rooms, group, from, to)))
+    return true;
+  if (lists.valid && distance <= lists.distance && hold(lists.rooms, group, from, to)) {
+    ++lists.served;
+    pick(from, to, group);
+    return true;
+  }
+  // When the last list was soon left, the next is made only after it would have paid.
+  const bool pays = lists.served >= PAYS || ++lists.unserved >= PAYS;
+  if (!pays && search_moving(from, to, group, distance))
+    return true;
+  lists.served = 1;
+  lists.unserved = 0;
+  return make_list(from, to, group, distance, margin) || (pays && search_moving(from, to, group, distance));
+}
+
+/// A list in double precision, for which boxes in single precision may be too coarse, and the pairs picked from it.
+bool BroadPhase::make_list(const Points& from, const Points& to, PairGroup group, double distance, double margin) {
+  Lists& lists = m_lists[static_cast<std::size_t>(group)];
+  give_rooms(from, to, group, margin);
+  lists.measured_at = from;
+  lists.valid = search_rooms(group, distance);
+  if (lists.valid)
+    pick(from, to, group);
+  return lists.valid;
+}
+
+/// Whether all nodes are in small balls around places equally far along their ways. Such positions, and all between
 /// two of them, are a convex set.
-bool BroadPhase::is_picked_for(const Lists& lists, const Points& positions, const Points& middles) const {
+bool BroadPhase::is_near_valid_for(const Lists& lists, PairGroup group, const Points& positions) const {
+  const double ball = SMALL_BALL * lists.near_distance;
+  const Points middles = middles_of(positions, group);
   const std::vector<std::int32_t>& points = m_surface.points();
   double along = 0.0;
   double length = 0.0;
   for (const std::int32_t node : points) {
     const int part = m_surface.part_of_node(node);
-    const Eigen::RowVector3d way = lists.picked_way.row(node);
-    along += way.dot(positions.row(node) - middles.row(part) - lists.picked_from.row(node));
+    const Eigen::RowVector3d way = lists.near_way.row(node);
+    along += way.dot(positions.row(node) - middles.row(part) - lists.near_from.row(node));
     length += way.squaredNorm();
   }
   const double share = length > 0.0 ? std::clamp(along / length, 0.0, 1.0) : 0.0;
-  const double margin = SMALL_ROOM * lists.distance;
   return std::all_of(points.begin(), points.end(), [&](std::int32_t node) {
     const int part = m_surface.part_of_node(node);
     const Eigen::RowVector3d off =
-        positions.row(node) - middles.row(part) - lists.picked_from.row(node) - share * lists.picked_way.row(node);
-    return off.cwiseAbs().maxCoeff() <= margin;
+        positions.row(node) - middles.row(part) - lists.near_from.row(node) - share * lists.near_way.row(node);
+    return off.squaredNorm() <= ball * ball;
   });
 }
 
-/// A pair is left out if it cannot come within the distance from places along its ways, given small boxes around them:
-/// their corners are sqrt(3) margins away, and both sides may go there.
-void BroadPhase::pick(const Points& from, const Points& to, PairGroup group) {
+void BroadPhase::set_ways(const Points& from, const Points& to, PairGroup group, double distance) {
   Lists& lists = m_lists[static_cast<std::size_t>(group)];
-  const double margin = SMALL_ROOM * lists.distance;
   const Points from_middles = middles_of(from, group);
   const Points to_middles = middles_of(to, group);
-  lists.picked_from = from;
-  lists.picked_way = to - from;
+  lists.near_from = from;
+  lists.near_way = to - from;
   for (const std::int32_t node : m_surface.points()) {
     const int part = m_surface.part_of_node(node);
-    lists.picked_from.row(node) -= from_middles.row(part);
-    lists.picked_way.row(node) -= to_middles.row(part) - from_middles.row(part);
+    lists.near_from.row(node) -= from_middles.row(part);
+    lists.near_way.row(node) -= to_middles.row(part) - from_middles.row(part);
   }
-  const double spent = lists.distance + 2.0 * std::sqrt(3.0) * margin;
+  lists.near_distance = distance;
+  lists.near_valid = true;
+}
+
+/// A pair is left out if it cannot come within the distance from places along its ways, given small balls around them.
+void BroadPhase::pick(const Points& from, const Points& to, PairGroup group) {
+  Lists& lists = m_lists[static_cast<std::size_t>(group)];
+  set_ways(from, to, group, lists.distance);
+  lists.near_is_picked = true;
+  lists.near_measured_at = lists.measured_at;
+  const double spent = (1.0 + 2.0 * SMALL_BALL) * lists.distance;
   measure_ways(group, from, m_from_ways);
   measure_ways(group, to, m_to_ways);
   for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
@@ -253,20 +275,25 @@ void BroadPhase::pick(const Points& from, const Points& to, PairGroup group) {
       }
     });
     join_chunks(count, lists.near[static_cast<std::size_t>(kind)]);
+    sort_pairs(lists.near[static_cast<std::size_t>(kind)], 0);
   }
-  lists.picked = true;
 }
 
-void BroadPhase::measure(PairKind kind, bool within, const Lists& lists, CandidatePair& pair) const {
-  // Most are far enough from each other for their boxes to tell.
-  double apart = std::sqrt(squared_box_distance(kind, lists.measured_at, pair.nodes));
-  if (apart < 4.0 * lists.distance)
-    apart = std::max(apart, proven_distance(kind, gather(lists.measured_at, pair.nodes)));
+/// With the moving boxes of the nodes there, from which rounding takes so much.
+void BroadPhase::measure(PairKind kind, PairGroup group, const Points& at, double distance, double rounding,
+                         CandidatePair& pair) const {
+  // Most are far enough from each other for the direction between their middles to tell, or their boxes.
+  const double enough = 4.0 * distance;
+  double apart = std::max(0.0, middle_distance(kind, pair.nodes, m_moving_boxes, rounding));
+  if (apart < enough)
+    apart = std::max(apart, std::sqrt(squared_box_distance(kind, at, pair.nodes)));
+  if (apart < enough)
+    apart = std::max(apart, proven_distance(kind, gather(at, pair.nodes)));
   pair.apart = static_cast<float>(apart) * (1.0F - SINGLE_SLACK);
   // The others need no limit: their distance tells.
-  const bool limited = within && m_reach_within && apart < 2.0 * lists.distance;
-  const double reach = limited ? m_reach_within(kind, pair.nodes) : lists.distance;
-  pair.reach = static_cast<float>(std::min(reach, lists.distance)) * (1.0F + SINGLE_SLACK);
+  const bool limited = group == PairGroup::within_parts && m_reach_within && apart < 2.0 * distance;
+  const double reach = limited ? m_reach_within(kind, pair.nodes) : distance;
+  pair.reach = static_cast<float>(std::min(reach, distance)) * (1.0F + SINGLE_SLACK);
 }
 
 /// The first `count` chunks, one after the other. Millions of bytes: the threads share the copying.
@@ -280,134 +307,133 @@ void BroadPhase::join_chunks(std::size_t count, std::vector<CandidatePair>& out)
   });
 }
 
-template <class Find>
-bool BroadPhase::collect(std::size_t count, Lists& lists, PairKind kind, std::size_t room, const Find& find) {
-  std::vector<CandidatePair>& out = lists.pairs[static_cast<std::size_t>(kind)];
-  const bool within = &lists == &m_lists[static_cast<std::size_t>(PairGroup::within_parts)];
+/// How many were found, or that they are more than there is room for.
+std::size_t BroadPhase::collect(std::size_t count, std::size_t room, const Find& find, const Finish& finish,
+                                std::vector<CandidatePair>& out) {
   m_chunks.resize(std::max(m_chunks.size(), (count + GRAIN - 1) / GRAIN));
   std::atomic<std::size_t> total = 0;
   m_threads.for_chunks(count, GRAIN, [&](std::size_t begin, std::size_t end) {
     std::vector<CandidatePair>& chunk = m_chunks[begin / GRAIN];
     chunk.clear();
-    for (std::size_t i = begin; i < end && total <= room; ++i) {
+    for (std::size_t i = begin; i < end && total <= room; i += GROUP) {
       const std::size_t before = chunk.size();
-      find(static_cast<std::int32_t>(i), chunk);
+      find(static_cast<std::int32_t>(i), static_cast<std::int32_t>(std::min(end, i + GROUP)), chunk);
       total += chunk.size() - before;
-      // The tree's order depends on when it was built; sums over pairs must not.
-      std::sort(chunk.begin() + static_cast<std::ptrdiff_t>(before), chunk.end(),
-                [](const CandidatePair& a, const CandidatePair& b) { return a.second < b.second; });
+      finish(chunk, before);
     }
-    for (std::size_t i = 0; i < chunk.size() && total <= room; ++i)
-      measure(kind, within, lists, chunk[i]);
   });
-  if (total > room)
+  if (total <= room)
+    join_chunks((count + GRAIN - 1) / GRAIN, out);
+  return total;
+}
+
+template <class AnyBox>
+bool BroadPhase::search(const BoxSearch<AnyBox>& boxes, const std::function<Finish(PairKind)>& finish, PairLists& out) {
+  ++m_searches;
+  const std::size_t triangles = collect(
+      m_surface.points().size(), m_most_pairs,
+      [&](std::int32_t begin, std::int32_t end, std::vector<CandidatePair>& found) {
+        boxes.add_triangles(begin, end, found);
+      },
+      finish(PairKind::point_triangle), out[static_cast<std::size_t>(PairKind::point_triangle)]);
+  if (triangles > m_most_pairs)
     return false;
-  join_chunks((count + GRAIN - 1) / GRAIN, out);
-  return true;
+  const std::size_t room = m_most_pairs - triangles;
+  return collect(
+             m_surface.edges().size(), room,
+             [&](std::int32_t begin, std::int32_t end, std::vector<CandidatePair>& found) {
+               boxes.add_edges(begin, end, found);
+             },
+             finish(PairKind::edge_edge), out[static_cast<std::size_t>(PairKind::edge_edge)]) <= room;
 }
 
-void BroadPhase::build_trees(const std::vector<Box>& rooms) {
-  const std::vector<Surface::Triangle>& triangles = m_surface.triangles();
-  const std::vector<Surface::Edge>& edges = m_surface.edges();
-  m_triangle_boxes.resize(triangles.size());
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    m_triangle_boxes[i] = rooms[triangles[i][0]];
-    m_triangle_boxes[i].include(rooms[triangles[i][1]]);
-    m_triangle_boxes[i].include(rooms[triangles[i][2]]);
-  }
-  m_edge_boxes.resize(edges.size());
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    m_edge_boxes[i] = rooms[edges[i][0]];
-    m_edge_boxes[i].include(rooms[edges[i][1]]);
-  }
-  m_threads.for_each(2 * m_triangle_trees.size(), 1, [&](std::size_t tree) {
-    const std::size_t part = tree / 2;
-    if (tree % 2 == 0)
-      m_triangle_trees[part].update(m_triangle_boxes, m_first_triangle[part], m_first_triangle[part + 1]);
-    else
-      m_edge_trees[part].update(m_edge_boxes, m_first_edge[part], m_first_edge[part + 1]);
-  });
-}
-
-/// Parts whose boxes, grown by the distance, meet.
-void BroadPhase::find_partners(PairGroup group, double distance) {
-  const std::vector<Box>& rooms = m_lists[static_cast<std::size_t>(group)].rooms;
-  const int parts = m_surface.part_count();
-  std::vector<Box> bounds(static_cast<std::size_t>(parts));
-  for (int part = 0; part < parts; ++part) {
-    const std::size_t begin = m_first_point[static_cast<std::size_t>(part)];
-    const std::size_t end = m_first_point[static_cast<std::size_t>(part) + 1];
-    if (begin == end)
-      continue;
-    Box box = rooms[m_surface.points()[begin]];
-    for (std::size_t i = begin; i < end; ++i)
-      box.include(rooms[m_surface.points()[i]]);
-    bounds[static_cast<std::size_t>(part)] = box;
-  }
-  for (int a = 0; a < parts; ++a) {
-    std::vector<int>& partners = m_partners[static_cast<std::size_t>(a)];
-    partners.clear();
-    Box box = bounds[static_cast<std::size_t>(a)];
-    box.grow(distance);
-    for (int b = 0; b < parts; ++b) {
-      const bool wanted = (group == PairGroup::within_parts) == (a == b) && m_surface.meet(a, b);
-      if (wanted && bounds[static_cast<std::size_t>(b)].meets(box))
-        partners.push_back(b);
-    }
-  }
-}
-
-bool BroadPhase::search(PairGroup group, double distance) {
+bool BroadPhase::search_rooms(PairGroup group, double distance) {
   Lists& lists = m_lists[static_cast<std::size_t>(group)];
-  const std::vector<Surface::Triangle>& triangles = m_surface.triangles();
-  const std::vector<Surface::Edge>& edges = m_surface.edges();
+  lists.distance = distance;
+  m_room_search.update(lists.rooms, group, distance);
+  const double rounding = rounding_of_boxes(put_moving_boxes(lists.measured_at, {}));
+  const auto measure_all = [&](PairKind kind) -> Finish {
+    return [&, kind](std::vector<CandidatePair>& pairs, std::size_t begin) {
+      for (std::size_t i = begin; i < pairs.size(); ++i)
+        measure(kind, group, lists.measured_at, distance, rounding, pairs[i]);
+    };
+  };
+  const bool fits = search(m_room_search, measure_all, lists.pairs);
+  for (const std::size_t kind : {0, 1}) {
+    if (!fits)
+      lists.pairs[kind].clear();
+  }
+  return fits;
+}
+
+/// Without `ways`, nodes stand still. Returns the largest coordinate, of a place or a way.
+double BroadPhase::put_moving_boxes(const Points& places, const Points& ways) {
   const std::vector<std::int32_t>& points = m_surface.points();
-  build_trees(lists.rooms);
-  find_partners(group, distance);
-  const bool fits = collect(points.size(), lists, PairKind::point_triangle, m_most_pairs,
-                            [&](std::int32_t i, std::vector<CandidatePair>& out) {
-                              Box box = lists.rooms[points[i]];
-                              box.grow(distance);
-                              const auto take = [&](std::int32_t j) {
-                                const Surface::Triangle& t = triangles[j];
-                                if (!has_node(t, points[i]))
-                                  out.push_back({{points[i], t[0], t[1], t[2]}, i, j});
-                              };
-                              for (const int other : m_partners[m_surface.part_of_node(points[i])])
-                                m_triangle_trees[other].query(box, take);
-                            });
-  return fits && collect(edges.size(), lists, PairKind::edge_edge, m_most_pairs - lists.pairs[0].size(),
-                         [&](std::int32_t i, std::vector<CandidatePair>& out) {
-                           Box box = m_edge_boxes[i];
-                           box.grow(distance);
-                           const Surface::Edge& e = edges[i];
-                           const auto take = [&](std::int32_t j) {
-                             const Surface::Edge& f = edges[j];
-                             if (!share_node(e, f))
-                               out.push_back({{e[0], e[1], f[0], f[1]}, i, j});
-                           };
-                           const int part = m_surface.part_of_node(e[0]);
-                           for (const int other : m_partners[part]) {
-                             if (other >= part)
-                               m_edge_trees[other].query(box, take, i);
-                           }
-                         });
+  Vec3 origin = Vec3::Zero(); // of the scene, so that single precision tells its parts apart wherever it is
+  for (const std::int32_t node : points)
+    origin += places.row(node).transpose() / static_cast<double>(points.size());
+  m_moving_boxes.resize(static_cast<std::size_t>(m_surface.node_count()));
+  double most = 0.0;
+  for (const std::int32_t node : points) {
+    Eigen::Array4f place = Eigen::Array4f::Zero();
+    Eigen::Array4f way = Eigen::Array4f::Zero();
+    for (int i = 0; i < 3; ++i) {
+      const double x = places(node, i) - origin[i];
+      const double w = ways.rows() > 0 ? ways(node, i) : 0.0;
+      place[i] = static_cast<float>(x);
+      way[i] = static_cast<float>(w);
+      most = std::max({most, std::abs(x), std::abs(w)});
+    }
+    m_moving_boxes[static_cast<std::size_t>(node)] = MovingBox::of(place, way);
+  }
+  return most;
+}
+
+/// What `pick` would pick, without a list.
+bool BroadPhase::search_moving(const Points& from, const Points& to, PairGroup group, double distance) {
+  Lists& lists = m_lists[static_cast<std::size_t>(group)];
+  set_ways(from, to, group, distance);
+  lists.near_is_picked = false;
+  lists.near_measured_at = from;
+  const double spent = (1.0 + 2.0 * SMALL_BALL) * distance;
+  const double rounding = rounding_of_boxes(put_moving_boxes(lists.near_from, lists.near_way) + spent);
+  m_moving_search.update(m_moving_boxes, group, spent + rounding);
+  measure_ways(group, to, m_to_ways);
+  const auto keep_near = [&](PairKind kind) -> Finish {
+    return [&, kind](std::vector<CandidatePair>& pairs, std::size_t begin) {
+      std::size_t kept = begin;
+      for (std::size_t i = begin; i < pairs.size(); ++i) {
+        if (stay_apart(kind, pairs[i].nodes, m_moving_boxes, spent, rounding))
+          continue;
+        measure(kind, group, from, distance, rounding, pairs[i]);
+        if (!m_to_ways.are_below(kind, pairs[i].nodes, pairs[i].apart - spent))
+          pairs[kept++] = pairs[i];
+      }
+      pairs.resize(kept);
+      sort_pairs(pairs, begin);
+    };
+  };
+  return search(m_moving_search, keep_near, lists.near);
 }
 
 std::size_t BroadPhase::pair_count() const {
   std::size_t count = 0;
-  for (const Lists& lists : m_lists)
-    count += lists.pairs[0].size() + lists.pairs[1].size();
+  for (const Lists& lists : m_lists) {
+    for (const PairLists* pairs : {&lists.pairs, &lists.near})
+      count += (*pairs)[0].size() + (*pairs)[1].size();
+  }
   return count;
 }
 
 std::size_t BroadPhase::memory_bytes() const {
-  std::size_t bytes = 2 * (m_triangle_boxes.capacity() + m_edge_boxes.capacity()) * sizeof(Box);
+  std::size_t bytes = m_room_search.memory_bytes() + m_moving_search.memory_bytes();
+  bytes += m_moving_boxes.capacity() * sizeof(MovingBox);
   for (const Lists& lists : m_lists) {
-    bytes += (lists.pairs[0].capacity() + lists.pairs[1].capacity()) * sizeof(CandidatePair);
-    bytes += (lists.near[0].capacity() + lists.near[1].capacity()) * sizeof(CandidatePair);
-    bytes += static_cast<std::size_t>(lists.picked_from.size() + lists.picked_way.size()) * sizeof(double);
-    bytes += lists.rooms.capacity() * sizeof(Box) + static_cast<std::size_t>(lists.measured_at.size()) * sizeof(double);
+    for (const PairLists* pairs : {&lists.pairs, &lists.near})
+      bytes += ((*pairs)[0].capacity() + (*pairs)[1].capacity()) * sizeof(CandidatePair);
+    for (const Points* points : {&lists.near_from, &lists.near_way, &lists.measured_at, &lists.near_measured_at})
+      bytes += static_cast<std::size_t>(points->size()) * sizeof(double);
+    bytes += lists.rooms.capacity() * sizeof(Box);
   }
   for (const std::vector<CandidatePair>& chunk : m_chunks)
     bytes += chunk.capacity() * sizeof(CandidatePair);
@@ -422,8 +448,9 @@ std::vector<CandidatePair> all_pairs(const Surface& surface, PairKind kind) {
   if (kind == PairKind::edge_edge) {
     for (std::size_t i = 0; i < edges.size(); ++i) {
       for (std::size_t j = i + 1; j < edges.size(); ++j) {
-        if (surface.meet(surface.part_of_node(edges[i][0]), surface.part_of_node(edges[j][0])) &&
-            !share_node(edges[i], edges[j]))
+        const Surface::Edge& e = edges[i];
+        if (surface.meet(surface.part_of_node(e[0]), surface.part_of_node(edges[j][0])) && !has_node(edges[j], e[0]) &&
+            !has_node(edges[j], e[1]))
           pairs.push_back({{edges[i][0], edges[i][1], edges[j][0], edges[j][1]},
                            static_cast<std::int32_t>(i),
                            static_cast<std::int32_t>(j)});

@@ -24,7 +24,7 @@ std::vector<Box> boxes_about(const std::vector<std::array<double, 3>>& places, d
 std::vector<std::int32_t> found(const BoxTree& tree, const Box& query, std::int32_t after = -1) {
   std::vector<std::int32_t> indices;
   tree.query(
-      query, [&](std::int32_t index) { indices.push_back(index); }, after);
+      query, [&](std::int32_t index, const Box&) { indices.push_back(index); }, after);
   std::sort(indices.begin(), indices.end());
   return indices;
 }
@@ -64,6 +64,80 @@ TEST(BoxTree, FindsTheSameAfterItsBoxesMovedALittleOrAnywhere) {
   }
   tree.update({}, 0, 0);
   EXPECT_TRUE(found(tree, boxes_about({{0.0, 0.0, 0.0}}, 9.0).front()).empty());
+}
+
+MovingBox moving(std::mt19937& random, double size, double speed) {
+  std::uniform_real_distribution<float> place(0.0F, 1.0F);
+  const auto triple = [&](double scale) -> Eigen::Array4f {
+    return Eigen::Array4f(place(random), place(random), place(random), 0.0F) * static_cast<float>(scale);
+  };
+  MovingBox box;
+  box.low = triple(1.0);
+  box.high = box.low + triple(size);
+  box.way_low = triple(speed) - 0.5F * static_cast<float>(speed) * Eigen::Array4f(1.0F, 1.0F, 1.0F, 0.0F);
+  box.way_high = box.way_low + triple(0.1 * speed);
+  return box;
+}
+
+bool overlap_at(const MovingBox& a, const MovingBox& b, float time) {
+  const Eigen::Array4f gap = ((a.low + time * a.way_low) - (b.high + time * b.way_high))
+                                 .max((b.low + time * b.way_low) - (a.high + time * a.way_high));
+  return gap.maxCoeff() <= 0.0F;
+}
+
+TEST(MovingTree, MissesNoBoxThatIsMetAtAnyTimeAndSparesWhatMovesAlong) {
+  std::mt19937 random(7);
+  std::vector<MovingBox> boxes;
+  for (int i = 0; i < 600; ++i)
+    boxes.push_back(moving(random, 0.05, 0.4));
+  MovingTree tree;
+  tree.build(boxes);
+  std::size_t met = 0;
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    std::vector<char> seen(boxes.size(), 0);
+    tree.query(boxes[i], [&](std::int32_t j, const MovingBox&) { seen[static_cast<std::size_t>(j)] = 1; });
+    for (std::size_t j = 0; j < boxes.size(); ++j) {
+      bool meets = false;
+      for (int k = 0; k <= 16; ++k)
+        meets = meets || overlap_at(boxes[i], boxes[j], static_cast<float>(k) / 16.0F);
+      EXPECT_TRUE(!meets || seen[j] != 0) << i << " " << j;
+      met += meets ? 1 : 0;
+      found += seen[j] != 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(met, 2 * boxes.size());
+  EXPECT_LT(found, boxes.size() * boxes.size() / 4);
+  MovingBox along = boxes[0];
+  along.low += 0.2F; // beside it, and as fast
+  along.high += 0.2F;
+  along.way_low = along.way_high = boxes[0].way_high = boxes[0].way_low;
+  EXPECT_FALSE(boxes[0].meets(along));
+}
+
+TEST(MovingTree, AGroupOfBoxesFindsWhatEachOfThemFinds) {
+  std::mt19937 random(11);
+  std::vector<MovingBox> boxes;
+  for (int i = 0; i < 300; ++i)
+    boxes.push_back(moving(random, 0.1, 0.2));
+  MovingTree tree;
+  tree.build(boxes);
+  const MovingBox group[3] = {boxes[4], boxes[5], boxes[6]};
+  MovingBox around = group[0];
+  around.include(group[1]);
+  around.include(group[2]);
+  const std::int32_t after[3] = {4, 5, -1};
+  std::vector<std::vector<std::int32_t>> together(3), alone(3);
+  tree.query(group, 3, around, after,
+             [&](int which, std::int32_t j) { together[static_cast<std::size_t>(which)].push_back(j); });
+  for (std::size_t which = 0; which < 3; ++which) {
+    tree.query(
+        group[which], [&](std::int32_t j, const MovingBox&) { alone[which].push_back(j); }, after[which]);
+    std::sort(together[which].begin(), together[which].end());
+    std::sort(alone[which].begin(), alone[which].end());
+    EXPECT_FALSE(alone[which].empty());
+    EXPECT_EQ(together[which], alone[which]);
+  }
 }
 
 } // namespace

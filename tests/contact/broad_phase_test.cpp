@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "sim/contact/crossings.h"
@@ -111,24 +112,75 @@ TEST(BroadPhase, IsReusedWhileNodesKeepTheirRooms) {
   moved.array() += 0.009;
   ASSERT_TRUE(broad.cover(sheets.positions, moved, 0.02, 0.01));
   EXPECT_EQ(broad.searches(), 1);
-  moved(5, 1) += 0.002;
+  moved(5, 1) += 0.012;
   ASSERT_TRUE(broad.cover(moved, moved, 0.02, 0.01));
   EXPECT_EQ(broad.searches(), 2);
 }
 
-TEST(BroadPhase, AListForALongWayIsMadeAnewForShortOnes) {
+TEST(BroadPhase, PartsThatGoFarTogetherMeetNoMoreThanAtRest) {
   const Sheets sheets(2);
   const Threads threads(1);
+  Points a_little = sheets.positions;
+  a_little.array() += 0.05; // just enough to be searched for in the same way
   Points far = sheets.positions;
-  far.bottomRows(81).col(1).array() += 0.5;
-  Points near = sheets.positions;
-  near.bottomRows(81).col(1).array() += 0.001;
+  far.array() += 0.5;
+  BroadPhase rest(sheets.surface, threads, 1'000'000);
+  BroadPhase moved(sheets.surface, threads, 1'000'000);
+  const double little_more = 1e-4; // so that single precision cannot decide
+  ASSERT_TRUE(rest.cover(sheets.positions, a_little, 0.1 + little_more, 0.01));
+  ASSERT_TRUE(moved.cover(sheets.positions, far, 0.1, 0.01));
+  for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
+    EXPECT_GT(pairs_of(moved, kind).size(), 10u);
+    EXPECT_LE(pairs_of(moved, kind).size(), pairs_of(rest, kind).size());
+  }
+}
+
+TEST(BroadPhase, PairsOfAListWithNarrowRoomsHoldInTheseOnly) {
+  const Sheets sheets(3);
+  const Threads threads(1);
+  Points moved = sheets.positions;
+  moved.middleRows(81, 81).col(1).array() -= 0.04; // less than the small balls
   BroadPhase broad(sheets.surface, threads, 1'000'000);
-  ASSERT_TRUE(broad.cover(sheets.positions, far, 0.02, 0.01));
-  const std::size_t pairs = broad.pair_count();
-  ASSERT_TRUE(broad.cover(sheets.positions, near, 0.02, 0.01));
-  EXPECT_EQ(broad.searches(), 2);
-  EXPECT_LT(broad.pair_count(), pairs);
+  ASSERT_TRUE(broad.cover(sheets.positions, sheets.positions, 0.1, 0.0));
+  ASSERT_TRUE(broad.cover(moved, moved, 0.1, 0.0));
+  for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
+    EXPECT_EQ(near_pairs(pairs_of(broad, kind), kind, moved, 0.1),
+              near_pairs(all_pairs(sheets.surface, kind), kind, moved, 0.1));
+  }
+}
+
+TEST(BroadPhase, FindsEveryPairOfASheetThatTumbles) {
+  Sheets sheets(1, 16);
+  sheets.positions.col(1) *= 4.0; // folds come near each other
+  const Threads threads(1);
+  const Points to =
+      sheets.positions * Eigen::AngleAxisd(1.0, Vec3(0.3, 0.4, 0.5).normalized()).toRotationMatrix().transpose();
+  BroadPhase broad(sheets.surface, threads, 1'000'000);
+  ASSERT_TRUE(broad.cover(sheets.positions, to, 0.02, 0.001));
+  for (const double t : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+    const Points at = (1.0 - t) * sheets.positions + t * to;
+    for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
+      const std::set<Key> all = near_pairs(all_pairs(sheets.surface, kind), kind, at, 0.02);
+      EXPECT_EQ(near_pairs(pairs_of(broad, kind), kind, at, 0.02), all);
+    }
+  }
+  EXPECT_GT(pairs_of(broad, PairKind::edge_edge).size(), 10u);
+  EXPECT_LT(pairs_of(broad, PairKind::edge_edge).size(), all_pairs(sheets.surface, PairKind::edge_edge).size() / 10);
+}
+
+TEST(BroadPhase, FindsLongWaysAlsoWhereSinglePrecisionTellsNothing) {
+  Sheets sheets(3);
+  sheets.positions.bottomRows(81).array() += 1e8; // single precision has steps of four metres there
+  const Threads threads(1);
+  Points to = sheets.positions;
+  to.topRows(81).col(1).array() += 0.07;
+  BroadPhase broad(sheets.surface, threads, 10'000);
+  ASSERT_TRUE(broad.cover(sheets.positions, to, 0.02, 0.001));
+  for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
+    const std::set<Key> all = near_pairs(all_pairs(sheets.surface, kind), kind, to, 0.02);
+    EXPECT_GT(all.size(), 10u);
+    EXPECT_EQ(near_pairs(pairs_of(broad, kind), kind, to, 0.02), all);
+  }
 }
 
 TEST(BroadPhase, KeepsTheListOfABodyThatFlies) {

@@ -1,0 +1,163 @@
+#include "sim/contact/box_search.h"
+
+#include <array>
+
+namespace wry::contact {
+
+namespace {
+
+constexpr std::size_t BOX_GRAIN = 2048;
+
+bool share_node(const Surface::Edge& a, const Surface::Edge& b) {
+  return a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1];
+}
+
+bool has_node(const Surface::Triangle& triangle, std::int32_t node) {
+  return triangle[0] == node || triangle[1] == node || triangle[2] == node;
+}
+
+/// Where the primitives of each part begin: they come part by part.
+template <class Primitives, class NodeOf>
+std::vector<std::size_t> first_of_parts(const Surface& surface, const Primitives& primitives, const NodeOf& node_of) {
+  std::vector<std::size_t> first(static_cast<std::size_t>(surface.part_count()) + 1, 0);
+  for (const auto& primitive : primitives)
+    ++first[static_cast<std::size_t>(surface.part_of_node(node_of(primitive))) + 1];
+  for (std::size_t part = 1; part < first.size(); ++part)
+    first[part] += first[part - 1];
+  return first;
+}
+
+template <class Primitive, class AnyBox>
+void put_boxes(const std::vector<Primitive>& primitives, const std::vector<AnyBox>& nodes, const Threads& threads,
+               std::vector<AnyBox>& out) {
+  out.resize(primitives.size());
+  threads.for_each(primitives.size(), BOX_GRAIN, [&](std::size_t i) {
+    out[i] = nodes[primitives[i][0]];
+    for (std::size_t k = 1; k < primitives[i].size(); ++k)
+      out[i].include(nodes[primitives[i][k]]);
+  });
+}
+
+} // namespace
+
+std::vector<std::size_t> first_points_of_parts(const Surface& surface) {
+  return first_of_parts(surface, surface.points(), [](std::int32_t point) { return point; });
+}
+
+template <class AnyBox>
+BoxSearch<AnyBox>::BoxSearch(const Surface& surface, const Threads& threads)
+    : m_surface(surface)
+    , m_threads(threads)
+    , m_first_point(first_points_of_parts(surface))
+    , m_first_edge(first_of_parts(surface, surface.edges(), [](const Surface::Edge& edge) { return edge[0]; }))
+    , m_first_triangle(
+          first_of_parts(surface, surface.triangles(), [](const Surface::Triangle& triangle) { return triangle[0]; }))
+    , m_triangle_trees(static_cast<std::size_t>(surface.part_count()))
+    , m_edge_trees(static_cast<std::size_t>(surface.part_count()))
+    , m_partners(static_cast<std::size_t>(surface.part_count())) {}
+
+template <class AnyBox>
+void BoxSearch<AnyBox>::update(const std::vector<AnyBox>& nodes, PairGroup group, double distance) {
+  m_nodes = &nodes;
+  m_distance = distance;
+  put_boxes(m_surface.triangles(), nodes, m_threads, m_triangle_boxes);
+  put_boxes(m_surface.edges(), nodes, m_threads, m_edge_boxes);
+  m_threads.for_each(2 * m_triangle_trees.size(), 1, [&](std::size_t tree) {
+    const std::size_t part = tree / 2;
+    if (tree % 2 == 0)
+      m_triangle_trees[part].update(m_triangle_boxes, m_first_triangle[part], m_first_triangle[part + 1]);
+    else
+      m_edge_trees[part].update(m_edge_boxes, m_first_edge[part], m_first_edge[part + 1]);
+  });
+  find_partners(group);
+}
+
+/// Parts whose boxes, grown by the distance, meet.
+template <class AnyBox> void BoxSearch<AnyBox>::find_partners(PairGroup group) {
+  const std::size_t parts = m_partners.size();
+  std::vector<AnyBox> bounds(parts);
+  for (std::size_t part = 0; part < parts; ++part) {
+    for (std::size_t i = m_first_point[part]; i < m_first_point[part + 1]; ++i) {
+      const AnyBox& box = (*m_nodes)[m_surface.points()[i]];
+      if (i == m_first_point[part])
+        bounds[part] = box;
+      bounds[part].include(box);
+    }
+  }
+  for (std::size_t a = 0; a < parts; ++a) {
+    m_partners[a].clear();
+    if (m_first_point[a] == m_first_point[a + 1])
+      continue;
+    AnyBox box = bounds[a];
+    box.grow(m_distance);
+    for (std::size_t b = 0; b < parts; ++b) {
+      const bool wanted = (group == PairGroup::within_parts) == (a == b) &&
+                          m_surface.meet(static_cast<int>(a), static_cast<int>(b)) &&
+                          m_first_point[b] != m_first_point[b + 1];
+      if (wanted && bounds[b].meets(box))
+        m_partners[a].push_back(static_cast<int>(b));
+    }
+  }
+}
+
+template <class AnyBox>
+void BoxSearch<AnyBox>::add_triangles(std::int32_t begin, std::int32_t end, std::vector<CandidatePair>& out) const {
+  for (std::int32_t point = begin; point < end; ++point) {
+    const std::int32_t node = m_surface.points()[static_cast<std::size_t>(point)];
+    AnyBox box = (*m_nodes)[static_cast<std::size_t>(node)];
+    box.grow(m_distance);
+    const auto take = [&](std::int32_t j, const AnyBox&) {
+      const Surface::Triangle& t = m_surface.triangles()[static_cast<std::size_t>(j)];
+      if (!has_node(t, node))
+        out.push_back({{node, t[0], t[1], t[2]}, point, j});
+    };
+    for (const int other : m_partners[static_cast<std::size_t>(m_surface.part_of_node(node))])
+      m_triangle_trees[static_cast<std::size_t>(other)].query(box, take);
+  }
+}
+
+/// Edges come in the order of their first nodes: those of a group are mostly a fan.
+template <class AnyBox>
+void BoxSearch<AnyBox>::add_edges(std::int32_t begin, std::int32_t end, std::vector<CandidatePair>& out) const {
+  const std::vector<Surface::Edge>& edges = m_surface.edges();
+  const auto part_of = [&](std::int32_t edge) {
+    return m_surface.part_of_node(edges[static_cast<std::size_t>(edge)][0]);
+  };
+  while (begin < end) {
+    const int part = part_of(begin);
+    AnyBox around = m_edge_boxes[static_cast<std::size_t>(begin)];
+    around.grow(m_distance);
+    std::array<AnyBox, GROUP> boxes;
+    boxes.fill(around);
+    std::array<std::int32_t, GROUP> self{};
+    const std::int32_t first = begin;
+    int count = 0;
+    for (; begin < end && part_of(begin) == part; ++begin, ++count) {
+      AnyBox& box = boxes[static_cast<std::size_t>(count)];
+      box = m_edge_boxes[static_cast<std::size_t>(begin)];
+      box.grow(m_distance);
+      around.include(box);
+      self[static_cast<std::size_t>(count)] = begin;
+    }
+    const auto take = [&](int which, std::int32_t j) {
+      const std::int32_t edge = first + which;
+      const Surface::Edge& e = edges[static_cast<std::size_t>(edge)];
+      const Surface::Edge& f = edges[static_cast<std::size_t>(j)];
+      if (!share_node(e, f))
+        out.push_back({{e[0], e[1], f[0], f[1]}, edge, j});
+    };
+    for (const int other : m_partners[static_cast<std::size_t>(part)]) {
+      if (other >= part)
+        m_edge_trees[static_cast<std::size_t>(other)].query(boxes.data(), count, around, self.data(), take);
+    }
+  }
+}
+
+template <class AnyBox> std::size_t BoxSearch<AnyBox>::memory_bytes() const {
+  return 2 * (m_triangle_boxes.capacity() + m_edge_boxes.capacity()) * sizeof(AnyBox);
+}
+
+template class BoxSearch<Box>;
+template class BoxSearch<MovingBox>;
+
+} // namespace wry::contact
