@@ -269,12 +269,14 @@ Status DrawableScene::append_cloud(const Frame& frame, std::size_t index, const 
   const auto append = [&](DrawCloud::For seen_by, const std::vector<std::uint32_t>& which, const Darkness& beneath) {
     DrawCloud grains = seen;
     grains.seen_by = seen_by;
+    grains.grains.reserve(which.size());
     for (const std::uint32_t i : which)
       grains.grains.push_back(cloud->grains[i]);
     list.clouds.push_back(std::move(grains));
     DrawCloud dark;
     dark.seen_by = seen_by;
     dark.body = seen.body;
+    dark.grains.reserve(beneath.centres.size());
     const float half = 0.5f * beneath.cell;
     for (const std::array<float, 3>& centre : beneath.centres)
       dark.grains.push_back(

@@ -246,10 +246,10 @@ Status Renderer::Machinery::draw_passes(const Frame& frame, const Picture& pictu
     return placed.error();
   const double geometry_cpu = cpu_ms();
   const double geometry_wall = wall_ms();
-  const Result<DrawList> list = scene->list(frame, *view);
+  Result<DrawList> list = scene->list(frame, *view);
   if (!list.ok())
     return list.error();
-  geometry->upload(*list);
+  geometry->upload(std::move(*list));
   times.assign(1, {"geometry", cpu_ms() - geometry_cpu, wall_ms() - geometry_wall});
   for (const PassEntry& entry : pass_table())
     times.push_back({entry.name, 0.0, 0.0});
@@ -395,10 +395,10 @@ Status Renderer::Machinery::draw_data_passes(const Frame& frame, const Picture& 
   const Result<Camera> placed = camera(frame, picture);
   if (!placed.ok())
     return placed.error();
-  const Result<DrawList> list = scene->list(frame, *view);
+  Result<DrawList> list = scene->list(frame, *view);
   if (!list.ok())
     return list.error();
-  geometry->upload(*list);
+  geometry->upload(std::move(*list));
   CameraPlan pinhole = picture.camera.value_or(plan.camera);
   pinhole.f_stop.reset();
   SubFrame middle = sub_frame(*view, pinhole, *placed, 0);

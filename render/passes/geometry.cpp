@@ -103,9 +103,9 @@ Geometry::Geometry(const GlFunctions& gl, const std::vector<Image>& textures)
     m_textures.push_back(make_picture(gl, texture));
 }
 
-void Geometry::upload(const DrawList& list) {
+void Geometry::upload(DrawList&& list) {
   upload_triangles(list);
-  m_clouds = list.clouds;
+  m_clouds = std::move(list.clouds);
   m_places.clear();
   m_in_sight.clear();
   m_eye_ready = false;

@@ -44,7 +44,7 @@ Result<Targets> make_targets(const GlFunctions& gl, const RenderPlan& plan);
 class Geometry {
 public:
   Geometry(const GlFunctions& gl, const std::vector<Image>& textures);
-  void upload(const DrawList& list);
+  void upload(DrawList&& list);
   bool has_triangles() const { return m_count > 0; }
   /// All triangles that are not transparent, without the back faces of closed surfaces; draw_textured() through `bind`
   /// for each run of one picture (0: none).
