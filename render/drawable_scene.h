@@ -90,6 +90,8 @@ private:
     bool closed_outward = false; ///< at rest
   };
 
+  /// Where creases and normals are found: the mesh of a grain at the size of its grains.
+  static Points drawn_rest(const SceneBody& body);
   Status add_body(const RenderPlan& plan, const SceneBody& body, std::uint32_t look);
   Status check_frame(const Frame& frame) const;
   bool is_outward(const Frame& frame, std::size_t body, const View& view) const;
