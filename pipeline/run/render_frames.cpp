@@ -1,7 +1,6 @@
 #include "pipeline/run/render_frames.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -19,13 +18,12 @@
 #include "pipeline/plan/compile_appearance.h"
 #include "pipeline/plan/compile_camera.h"
 #include "pipeline/plan/drawn_surfaces.h"
+#include "pipeline/run/picture_job.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/signals.h"
 #include "pipeline/run/video.h"
 #include "render/contact_sheet.h"
-#include "render/exr.h"
 #include "render/png.h"
-#include "render/renderer.h"
 #include "shots/resolved.h"
 
 namespace wry::pipeline {
@@ -33,39 +31,6 @@ namespace wry::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* INPUTS = "wry:inputs";
-constexpr const char* EXR_INPUTS = "wryInputs";
-
-/// A picture that is wanted: where it goes, what it is made from.
-struct PictureJob {
-  fs::path path;
-  std::vector<std::string> layers; ///< of an OpenEXR file beside it; empty: none
-  std::string inputs;              ///< SHA-256 of everything that it depends on
-  render::Picture picture;
-  std::vector<render::PngText> texts;
-};
-
-fs::path exr_path(const PictureJob& job) {
-  return fs::path(job.path).replace_extension(".exr");
-}
-
-/// Whether the OpenEXR file decodes and is of these inputs.
-bool has_layers(const PictureJob& job) {
-  const Result<render::ExrImage> there = render::read_exr(exr_path(job));
-  return there && std::find(there->texts.begin(), there->texts.end(),
-                            std::pair<std::string, std::string>(EXR_INPUTS, job.inputs)) != there->texts.end();
-}
-
-bool is_up_to_date(const PictureJob& job) {
-  if (!job.layers.empty() && !has_layers(job))
-    return false;
-  const Result<render::PngContents> there = render::read_png(job.path);
-  if (!there)
-    return false;
-  return std::any_of(there->texts.begin(), there->texts.end(),
-                     [&](const render::PngText& text) { return text.key == INPUTS && text.value == job.inputs; });
-}
 
 /// Text that two equal plans share: what a picture depends on beside the frame itself.
 std::string fingerprint(const render::RenderPlan& plan, const shots::Shot* shot) {
@@ -131,84 +96,6 @@ std::vector<std::string> slate_lines(const shots::Shot& shot, const Frame& frame
     line += "   " + **shot.sweep_case;
   return {line};
 }
-
-/// The layers that were asked for, named as compositing programs know them.
-render::ExrImage exr_layers(const std::vector<std::string>& wanted, const render::LinearImage& light,
-                            const render::DataLayers& data) {
-  using Type = render::ExrChannel::Type;
-  render::ExrImage image{light.width, light.height, {}, {}};
-  const auto add = [&](const std::string& name, Type type, const auto& value_at) {
-    render::ExrChannel channel{name, type, std::vector<float>(light.pixels.size() / 4)};
-    for (std::size_t i = 0; i < channel.values.size(); ++i)
-      channel.values[i] = value_at(i);
-    image.channels.push_back(std::move(channel));
-  };
-  const std::array<const char*, 4> colours = {"R", "G", "B", "A"};
-  const std::array<const char*, 3> axes = {".X", ".Y", ".Z"};
-  for (const std::string& layer : wanted) {
-    for (std::size_t c = 0; layer == "colour" && c < 4; ++c)
-      add(colours[c], Type::half_float, [&](std::size_t i) { return light.pixels[4 * i + c]; });
-    if (layer == "Z")
-      add("Z", Type::float32,
-          [&](std::size_t i) { return data.body[i] == 0 ? std::numeric_limits<float>::infinity() : data.distance[i]; });
-    for (std::size_t c = 0; layer == "N" && c < 3; ++c)
-      add(std::string("N") + axes[c], Type::half_float, [&](std::size_t i) { return data.normal[i][c]; });
-    for (std::size_t c = 0; layer == "velocity" && c < 3; ++c)
-      add(std::string("velocity") + axes[c], Type::half_float, [&](std::size_t i) { return data.velocity[i][c]; });
-    if (layer == "id")
-      add("id", Type::integer, [&](std::size_t i) { return static_cast<float>(data.body[i]); });
-  }
-  return image;
-}
-
-/// Draws pictures one after the other with one context, made when the first picture is really needed.
-class Draughtsman {
-public:
-  Draughtsman(const render::RenderPlan& plan, const SceneStatic& scene)
-      : m_plan(plan)
-      , m_scene(scene) {}
-
-  Status draw(const Frame& frame, PictureJob job) {
-    if (!m_renderer) {
-      Result<render::Renderer> made = render::Renderer::create(m_plan, m_scene);
-      if (!made)
-        return made.error();
-      m_renderer.emplace(std::move(*made));
-    }
-    const Result<render::Image> image = m_renderer->draw(frame, job.picture);
-    if (!image)
-      return image.error();
-    if (!job.layers.empty()) {
-      if (Status status = write_layers(frame, job); !status)
-        return status;
-    }
-    job.texts.push_back({INPUTS, job.inputs});
-    job.texts.push_back({"wry:build", fmt::format("{} {}", version(), render_build())});
-    job.texts.push_back({"wry:gl", m_renderer->gl_version().backend + " " + m_renderer->gl_version().version});
-    render::PngSettings settings;
-    if (m_plan.background == render::Background::clear)
-      settings.alpha = render::PngAlpha::straight;
-    return render::write_png(job.path, *image, job.texts, settings);
-  }
-
-private:
-  /// Linear light with the data of each pixel.
-  Status write_layers(const Frame& frame, const PictureJob& job) {
-    const Result<render::LinearImage> light = m_renderer->draw_linear(frame, job.picture);
-    if (!light)
-      return light.error();
-    const Result<render::DataLayers> data = m_renderer->draw_data(frame, job.picture);
-    if (!data)
-      return data.error();
-    render::ExrImage image = exr_layers(job.layers, *light, *data);
-    image.texts = {{EXR_INPUTS, job.inputs}, {"wryBuild", fmt::format("{} {}", version(), render_build())}};
-    return render::write_exr(exr_path(job), image);
-  }
-
-  const render::RenderPlan& m_plan;
-  const SceneStatic& m_scene;
-  std::optional<render::Renderer> m_renderer;
-};
 
 /// Whether a view is about the elements: their edges, or values that they or their vertices have.
 bool shows_elements(const render::View& view) {
