@@ -115,7 +115,7 @@ void add_plan(const ScenePlan& plan, HtmlPage& page) {
   page.section("Predicted cost");
   page.facts({{"memory", human_bytes(double(plan.cost.memory_bytes))},
               {"disk", human_bytes(double(plan.cost.disk_bytes(frame_count)))},
-              {"time", human_duration(plan.cost.steps * plan.cost.seconds_per_step)}});
+              {"time", human_duration(plan.cost.seconds())}});
 }
 
 } // namespace

@@ -272,8 +272,6 @@ void ParticleCompiler::report(const Space& space, const mpm::CompiledMaterial& m
   report.model = fmt::format("mpm ({}): {}, density {:.4g} kg/m^3, wave speed {:.4g} m/s", m_made.body.material.name,
                              material.runs, m_made.body.material.density, material.sound_speed);
   report.notes.push_back("a particle carries " + cost.channels);
-  for (const std::string& note : material.left_out)
-    report.notes.push_back("left out: " + note);
   m_made.warnings.insert(m_made.warnings.end(), material.warnings.begin(), material.warnings.end());
 }
 

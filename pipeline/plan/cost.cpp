@@ -19,17 +19,29 @@ constexpr double CLASSIC_SECONDS_PER_TET = 0.2e-6;
 constexpr double MICROPOLAR_SECONDS_PER_TET = 0.6e-6;
 constexpr double CURVATURE_SECONDS_PER_TET = 0.7e-6; // beside the former
 constexpr double NEWTON_PER_STEP = 5.0;
-constexpr double NEWTON_PER_STEP_IN_CONTACT = 20.0; // with both passes of friction
+constexpr double NEWTON_PER_STEP_IN_CONTACT = 12.0;
+constexpr double NEWTON_PER_STEP_WITH_FRICTION = 20.0; // with both passes
+constexpr double CONTACT_SECONDS_PER_TRIANGLE =
+    0.5e-6; // of the surface and Newton iteration: search, and limit of the step
+// The second matrix of a step: each element's share of it is projected.
+constexpr double DAMPING_SECONDS_PER_TET = 13e-6;
+// One more gradient in each step.
+constexpr double REACTION_SECONDS_PER_TET = 0.1e-6, MICROPOLAR_REACTION_SECONDS_PER_TET = 0.3e-6;
 // Element data, two matrices and the vectors, per tet.
 constexpr std::uint64_t CLASSIC_BYTES_PER_TET = 1200;
 constexpr std::uint64_t MICROPOLAR_BYTES_PER_TET = 4500;
+constexpr std::uint64_t DAMPING_BYTES_PER_TET = 270, MICROPOLAR_DAMPING_BYTES_PER_TET = 1000;
+constexpr std::uint64_t CONTACT_BYTES_PER_TRIANGLE = 6000;
 // What sorting and the grid take of memory besides the channels of a particle.
 constexpr std::uint64_t MPM_BYTES_PER_PARTICLE_BESIDES = 250;
 // A step of one particle in single precision (bench_mpm_table1), and what it takes more.
 constexpr double MPM_SECONDS_PER_PARTICLE_STEP = 1.4e-7;
-constexpr double DOUBLE_PRECISION = 1.6, OWN_AXES = 1.3, REORIENTING = 2.0, NEAR_MESHES = 1.6;
+constexpr double DOUBLE_PRECISION = 1.6, OWN_AXES = 1.3, REORIENTING = 1.3, NEAR_MESHES = 1.6;
+// A semi-implicit step over an explicit one, and each of its iterations; how many it takes where a wave crosses one
+// cell more (bench_mpm_semi_implicit).
+constexpr double SEMI_IMPLICIT_STEP = 1.7, SEMI_IMPLICIT_ITERATION = 0.85, ITERATIONS_PER_CELL = 1.1;
 // One update of one grain, and that of one that meets meshes as they are drawn.
-constexpr double SECONDS_PER_GRAIN = 1.6e-7, SECONDS_PER_GRAIN_NEAR_MESHES = 3e-7, TURNED_BY_FLOW = 2.0;
+constexpr double SECONDS_PER_GRAIN = 1.6e-7, SECONDS_PER_GRAIN_NEAR_MESHES = 3e-7, TURNED_BY_FLOW = 5.0;
 // A frame or checkpoint is checked, compressed by nothing, written and read again by measures.
 constexpr double SECONDS_PER_BYTE_WRITTEN = 1e-8;
 constexpr std::uint64_t FRAME_BYTES_PER_BODY = 4000; // what HDF5 writes besides values
@@ -92,6 +104,19 @@ double speed_of_fall(const SimPlan& plan, const BodyReport& report) {
   return std::max(0.6 * std::sqrt(2.0 * gravity * height), 0.15 * gravity * plan.time_of(plan.last_frame));
 }
 
+/// Newton iterations of a step.
+double newton_per_step(const fem::FemPlan& fem) {
+  const auto rubs = [](const auto& collider) { return collider.friction > 0.0; };
+  const bool touches = fem.contact || !fem.planes.empty() || !fem.obstacles.empty();
+  const bool friction = std::any_of(fem.planes.begin(), fem.planes.end(), rubs) ||
+                        std::any_of(fem.obstacles.begin(), fem.obstacles.end(), rubs) ||
+                        (fem.contact && (fem.contact->friction.at_rest > 0.0 || !fem.contact->pairs.empty()));
+  const double iterations = friction  ? NEWTON_PER_STEP_WITH_FRICTION
+                            : touches ? NEWTON_PER_STEP_IN_CONTACT
+                                      : NEWTON_PER_STEP;
+  return iterations * (fem.settings.integrator == fem::Integrator::sdirk2 ? 2.0 : 1.0);
+}
+
 /// What a body of particles adds in `steps` steps of dt; returns the seconds of one of them.
 double add_body_of_particles(const SimPlan& plan, const mpm::MpmBody& body, const BodyReport& report, double dt,
                              double steps, CostEstimate& cost) {
@@ -118,6 +143,9 @@ double add_body_of_particles(const SimPlan& plan, const mpm::MpmBody& body, cons
   double per_particle = MPM_SECONDS_PER_PARTICLE_STEP * (double_precision ? DOUBLE_PRECISION : 1.0) *
                         (own_axes ? OWN_AXES : 1.0) * (body.material.reorientation ? REORIENTING : 1.0) *
                         (near_meshes ? NEAR_MESHES : 1.0);
+  if (mpm.settings.semi_implicit)
+    per_particle *=
+        SEMI_IMPLICIT_STEP + SEMI_IMPLICIT_ITERATION * ITERATIONS_PER_CELL * mpm.settings.semi_implicit->courant;
   if (body.sub_particles) {
     const auto per_body = static_cast<std::uint64_t>(body.sub_particles->per_particle);
     const double travel = body.sub_particles->travel * mpm.settings.cell;
@@ -175,7 +203,9 @@ void add_cost_of_solids(const shots::Shot& shot, const ScenePlan& plan, CostEsti
   const fem::FemPlan& fem = plan.sim.fem;
   if (fem.bodies.empty())
     return;
-  double seconds_per_iteration = 0.0;
+  double seconds_per_iteration = 0.0, seconds_of_step = 0.0;
+  const bool meets_surfaces = !fem.obstacles.empty() || (fem.contact && fem.contact->between_bodies) ||
+                              (fem.contact && fem.contact->within_bodies);
   for (std::size_t i = 0; i < fem.bodies.size(); ++i) {
     const BodyReport& body = plan.bodies[i];
     const bool micropolar = has_rotations(fem.bodies[i]);
@@ -183,6 +213,11 @@ void add_cost_of_solids(const shots::Shot& shot, const ScenePlan& plan, CostEsti
     const std::uint64_t frame_bytes = frame_bytes_of_solid(fem, fem.bodies[i], body);
     elements.memory_bytes = body.tets * (micropolar ? MICROPOLAR_BYTES_PER_TET : CLASSIC_BYTES_PER_TET);
     elements.disk_bytes = in_frames(plan.sim.last_frame - plan.sim.first_frame + 1, frame_bytes);
+    const bool damped = fem.bodies[i].material.stiffness_damping > 0.0;
+    if (damped)
+      elements.memory_bytes += body.tets * (micropolar ? MICROPOLAR_DAMPING_BYTES_PER_TET : DAMPING_BYTES_PER_TET);
+    if (meets_surfaces)
+      elements.memory_bytes += body.surface_triangles * CONTACT_BYTES_PER_TRIANGLE;
     cost.memory_bytes += elements.memory_bytes;
     cost.bytes_per_frame += frame_bytes;
     cost.shares.push_back(std::move(elements));
@@ -192,11 +227,16 @@ void add_cost_of_solids(const shots::Shot& shot, const ScenePlan& plan, CostEsti
     seconds_per_iteration +=
         static_cast<double>(body.tets) * ((micropolar ? MICROPOLAR_SECONDS_PER_TET : CLASSIC_SECONDS_PER_TET) +
                                           (curved ? CURVATURE_SECONDS_PER_TET : 0.0));
+    if (meets_surfaces)
+      seconds_per_iteration += static_cast<double>(body.surface_triangles) * CONTACT_SECONDS_PER_TRIANGLE;
+    if (damped)
+      seconds_of_step += static_cast<double>(body.tets) * DAMPING_SECONDS_PER_TET;
+    if (fem.outputs.reactions)
+      seconds_of_step += static_cast<double>(body.tets) *
+                         (micropolar ? MICROPOLAR_REACTION_SECONDS_PER_TET : REACTION_SECONDS_PER_TET);
   }
-  const bool touches = fem.contact || !fem.planes.empty() || !fem.obstacles.empty();
-  const double per_step = (touches ? NEWTON_PER_STEP_IN_CONTACT : NEWTON_PER_STEP) *
-                          (fem.settings.integrator == fem::Integrator::sdirk2 ? 2.0 : 1.0);
-  cost.seconds_per_step = per_step * seconds_per_iteration;
+  const double per_step = newton_per_step(fem);
+  cost.seconds_per_step = per_step * seconds_per_iteration + seconds_of_step;
   cost.time_step = fem.settings.max_time_step;
   cost.steps = plan.sim.time_of(plan.sim.last_frame) / cost.time_step;
   cost.newton_directions = per_step * cost.steps;
@@ -241,8 +281,7 @@ Status describe_solver(ScenePlan& plan, Isa isa, int threads) {
     return simulation.error();
   const fem::SolverChoice choice = (*simulation)->solver_choice();
   plan.runs.push_back({"linear solver", choice.reason});
-  if (plan.cost.steps > 0.0)
-    plan.cost.seconds_per_step += plan.cost.newton_directions * choice.seconds_per_direction / plan.cost.steps;
+  plan.cost.seconds_of_directions = plan.cost.newton_directions * choice.seconds_per_direction;
   add_cost_of_solver(plan.cost, (*simulation)->memory_bytes());
   return {};
 }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "pipeline/plan/cost.h"
+#include "pipeline/plan/left_out_parts.h"
 
 namespace wry::pipeline {
 
@@ -53,7 +54,7 @@ void describe_grains(ScenePlan& plan) {
   const bool any = std::any_of(mpm.bodies.begin(), mpm.bodies.end(),
                                [](const mpm::MpmBody& body) { return body.sub_particles.has_value(); });
   if (!any) {
-    plan.left_out.push_back({"grains", "no body with sub_particles: none are made or followed"});
+    plan.left_out.push_back({"grains", "no body with sub_particles: none are made or followed", with_grains});
     return;
   }
   plan.runs.push_back(
@@ -64,9 +65,26 @@ void describe_grains(ScenePlan& plan) {
     plan.runs.push_back({"fields of grains", "mpm.keep_fields: the grid that carries grains is kept, " + size +
                                                  "; other grains are then made without simulating"});
   else
-    plan.left_out.push_back({"fields of grains", "no mpm.keep_fields: other grains (number, seed, shape, size) take "
-                                                 "another simulation; it would keep " +
-                                                     size});
+    plan.left_out.push_back({"fields of grains",
+                             "no mpm.keep_fields: other grains (number, seed, shape, size) take "
+                             "another simulation; it would keep " +
+                                 size,
+                             with_kept_fields});
+}
+
+/// What the materials of particles leave out.
+void describe_matter(ScenePlan& plan) {
+  for (const mpm::MpmBody& body : plan.sim.mpm.bodies) {
+    const Result<mpm::CompiledMaterial> material = mpm::compile_material(body.material);
+    if (!material)
+      continue;
+    for (const mpm::LeftOut& part : material->left_out) {
+      PlanLine line{fmt::format("{} of {}", part.what, body.name), part.why};
+      if (part.part != mpm::LeftOut::Part::maps_of_each_particle) // they come with second moments
+        line.with = [name = body.name, kind = part.part](ScenePlan& other) { put_in(other, name, kind); };
+      plan.left_out.push_back(std::move(line));
+    }
+  }
 }
 
 /// Which methods run, and that nothing couples them.
@@ -94,7 +112,12 @@ void describe_methods(ScenePlan& plan) {
                                      mpm.settings.semi_implicit->courant, mpm.settings.semi_implicit->implicitness,
                                      mpm.settings.semi_implicit->damping)});
   else
-    plan.left_out.push_back({"semi-implicit steps", "no mpm.semi_implicit: no linear solve on the grid"});
+    plan.left_out.push_back({"semi-implicit steps",
+                             "no mpm.semi_implicit: no linear solve on the grid, no waves damped",
+                             with_semi_implicit_steps});
+  if (mpm.settings.precision == mpm::Precision::f32)
+    plan.left_out.push_back({"double precision", "mpm.precision is f32", with_double_precision});
+  describe_matter(plan);
   decide(!mpm.colliders.empty(), "colliders on the grid", "[[collider]]: nodes of blocks that are near one",
          "no [[collider]]: no node is looked at");
   decide(!mpm.held.empty(), "held space", "[[fixed]] and [[drive]] on a body of particles",
@@ -116,22 +139,26 @@ void describe_solids(ScenePlan& plan) {
   const bool curvature =
       any_body(plan, [](const fem::FemMaterial& m) { return m.curvature != fem::CurvatureModel::none; });
   const bool rotary = any_body(plan, [](const fem::FemMaterial& m) { return m.rotary_inertia > 0.0; });
-  const auto decide = [&](bool runs, const char* what, const char* why_runs, const char* why_not) {
-    (runs ? plan.runs : plan.left_out).push_back({what, runs ? why_runs : why_not});
+  using With = void (*)(ScenePlan&);
+  const auto decide = [&](bool runs, const char* what, const char* why_runs, const char* why_not, With with = nullptr) {
+    (runs ? plan.runs : plan.left_out).push_back({what, runs ? why_runs : why_not, runs ? nullptr : with});
   };
   decide(microrotations, "microrotations", "a micropolar body: 6 dofs per node",
-         "no micropolar body: 3 dofs per node instead of 6");
+         "no micropolar body: 3 dofs per node instead of 6", with_microrotations);
   decide(curvature, "curvature energy", "a micropolar body with length_scale > 0",
          microrotations ? "length_scale is 0 everywhere: the element kernel without it costs less than half"
-                        : "no micropolar body");
+                        : "no micropolar body",
+         with_curvature);
   decide(rotary, "rotary inertia", "a material with rotary_inertia > 0", "rotary_inertia is 0 everywhere");
   decide(!fem.planes.empty(), "plane contact", "colliders: barrier and step limit per node",
-         "no [[collider]]: no barrier, no step limit");
+         "no [[collider]]: no barrier, no step limit", with_plane);
   const auto rubs = [](const auto& collider) { return collider.friction > 0.0; };
+  const bool touches = fem.contact || !fem.planes.empty() || !fem.obstacles.empty();
   const bool bodies_rub = fem.contact && (fem.contact->friction.at_rest > 0.0 || !fem.contact->pairs.empty());
   decide(std::any_of(fem.planes.begin(), fem.planes.end(), rubs) ||
              std::any_of(fem.obstacles.begin(), fem.obstacles.end(), rubs) || bodies_rub,
-         "friction", "a collider or [contact] with friction > 0", "no friction on colliders or between bodies");
+         "friction", "a collider or [contact] with friction > 0", "no friction on colliders or between bodies",
+         touches ? with_friction : nullptr);
   decide(!fem.fixed.empty(), "held nodes", "[[fixed]]: their dofs are taken out of the system", "no [[fixed]]");
   decide(!fem.obstacles.empty(), "collider contact",
          "colliders other than planes: barrier between surfaces, steps limited by continuous collision detection",
@@ -142,10 +169,11 @@ void describe_solids(ScenePlan& plan) {
          "no [[collider]] with a sequence");
   decide(fem.contact && fem.contact->between_bodies, "contact of bodies",
          "[contact]: barrier between surfaces, steps limited by continuous collision detection",
-         "no [contact]: no broad phase; bodies do not feel each other");
+         "no [contact]: no broad phase; bodies do not feel each other",
+         fem.bodies.size() > 1 ? with_contact_of_bodies : nullptr);
   decide(fem.contact && fem.contact->within_bodies, "contact within bodies",
          "[contact]: the same within each body; pairs that are near at rest feel each other below half of that",
-         "no [contact] or within = false: a body that folds passes through itself");
+         "no [contact] or within = false: a body that folds passes through itself", with_contact_within_bodies);
   decide(!fem.driven.empty(), "drives", "[[drive]]: dofs are given by their motion, or pulled by springs",
          "no [[drive]]");
   decide(!fem.loads.empty(), "loads", "[[load]]: forces and torques on nodes", "no [[load]]");
@@ -154,15 +182,16 @@ void describe_solids(ScenePlan& plan) {
   const bool stiff_damped = any_body(plan, [](const fem::FemMaterial& m) { return m.stiffness_damping > 0.0; });
   decide(stiff_damped, "stiffness damping",
          "a material with stiffness_damping > 0: a second matrix, assembled once per step",
-         "stiffness_damping is 0 everywhere: no second matrix");
+         "stiffness_damping is 0 everywhere: no second matrix", with_stiffness_damping);
   const bool resets = fem.settings.point_rotations != fem::PointRotations::interpolated_velocity;
   if (microrotations)
     decide(resets, "resets of quadrature rotations", "fem.point_rotations: made from the nodes every reset_every steps",
            "fem.point_rotations = \"velocity\": they follow their own history");
   decide(fem.outputs.reactions, "reactions", "a measure of reactions: one more gradient per step",
-         "no measure of reactions");
+         "no measure of reactions", with_reactions);
   decide(fem.outputs.point_rotations, "rotations of quadrature points in frames",
-         "a measure reads them: 128 bytes per tet and frame", "no measure reads them");
+         "a measure reads them: 128 bytes per tet and frame", "no measure reads them",
+         microrotations ? with_point_rotations : nullptr);
 }
 
 } // namespace

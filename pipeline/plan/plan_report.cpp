@@ -1,8 +1,10 @@
 #include "pipeline/plan/plan_report.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/report/readable.h"
@@ -34,6 +36,27 @@ void append_body(std::string& text, const BodyReport& body) {
     text += "  note: " + note + "\n";
 }
 
+/// "; saves 12 s, 3.1 MiB of memory": what is worth saying of it.
+std::string saving_text(const std::optional<Saving>& saving) {
+  if (!saving)
+    return "";
+  constexpr double SECOND = 0.5, BYTES = 100e3;
+  std::vector<std::string> saved, spent;
+  const auto say = [&](double value, double least, const std::string& amount) {
+    if (std::abs(value) >= least)
+      (value > 0.0 ? saved : spent).push_back(amount);
+  };
+  say(saving->seconds, SECOND, human_duration(std::abs(saving->seconds)));
+  say(saving->memory_bytes, BYTES, human_bytes(std::abs(saving->memory_bytes)) + " of memory");
+  say(saving->disk_bytes, BYTES, human_bytes(std::abs(saving->disk_bytes)) + " of disk");
+  std::string text;
+  if (!saved.empty())
+    text += fmt::format("; saves {}", fmt::join(saved, ", "));
+  if (!spent.empty())
+    text += fmt::format("; it would save {}", fmt::join(spent, ", "));
+  return text;
+}
+
 void append_lines(std::string& text, const char* title, const std::vector<PlanLine>& lines) {
   if (lines.empty())
     return;
@@ -42,7 +65,7 @@ void append_lines(std::string& text, const char* title, const std::vector<PlanLi
     width = std::max(width, line.what.size());
   text += fmt::format("\n{}\n", title);
   for (const PlanLine& line : lines)
-    text += fmt::format("  {:<{}}  {}\n", line.what, width, line.why);
+    text += fmt::format("  {:<{}}  {}{}\n", line.what, width, line.why, saving_text(line.saving));
 }
 
 nlohmann::json json_of(const BodyReport& body) {
@@ -67,8 +90,14 @@ nlohmann::json json_of(const BodyReport& body) {
 
 nlohmann::json json_of(const std::vector<PlanLine>& lines) {
   nlohmann::json list = nlohmann::json::array();
-  for (const PlanLine& line : lines)
-    list.push_back({{"what", line.what}, {"why", line.why}});
+  for (const PlanLine& line : lines) {
+    nlohmann::json entry = {{"what", line.what}, {"why", line.why}};
+    if (line.saving)
+      entry["saves"] = {{"seconds", line.saving->seconds},
+                        {"memory_bytes", line.saving->memory_bytes},
+                        {"disk_bytes", line.saving->disk_bytes}};
+    list.push_back(std::move(entry));
+  }
   return list;
 }
 
@@ -87,7 +116,7 @@ std::string plan_text(const ScenePlan& plan) {
                       "({:.0f} steps of {:.3g} s)\n",
                       human_bytes(double(cost.memory_bytes)), human_bytes(double(cost.disk_bytes(frame_count))),
                       human_bytes(double(cost.bytes_per_frame)), human_bytes(double(cost.bytes_per_checkpoint)),
-                      human_duration(cost.steps * cost.seconds_per_step), cost.steps, cost.time_step);
+                      human_duration(cost.seconds()), cost.steps, cost.time_step);
   for (const std::string& warning : plan.warnings)
     text += "warning: " + warning + "\n";
   return text;
@@ -114,7 +143,7 @@ std::string plan_json(const ScenePlan& plan) {
                                  {"cost",
                                   {{"memory_bytes", plan.cost.memory_bytes},
                                    {"disk_bytes", plan.cost.disk_bytes(frame_count)},
-                                   {"seconds", plan.cost.steps * plan.cost.seconds_per_step},
+                                   {"seconds", plan.cost.seconds()},
                                    {"steps", plan.cost.steps},
                                    {"time_step_s", plan.cost.time_step}}}};
   return report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);

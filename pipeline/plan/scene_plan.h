@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,10 +33,20 @@ struct BodyReport {
   std::vector<std::string> notes;         ///< fall-backs, places, warnings
 };
 
+struct ScenePlan;
+
+/// What a scene would take more of with a part that it leaves out, predicted.
+struct Saving {
+  double seconds = 0.0;
+  double memory_bytes = 0.0, disk_bytes = 0.0;
+};
+
 /// A part of the program that this scene runs, or does not, and why.
 struct PlanLine {
   std::string what;
   std::string why;
+  std::function<void(ScenePlan&)> with = {}; ///< of what is left out: puts it in; empty: it would take next to nothing
+  std::optional<Saving> saving = {};         ///< of what is left out, once describe_savings() was asked
 };
 
 /// What a part of a shot takes, and how the shot is told to take less.
@@ -53,9 +65,13 @@ struct CostEstimate {
   std::uint64_t field_bytes = 0; ///< of all frames: what mpm.keep_fields keeps
   std::vector<CostShare> shares; ///< what takes most of memory and disk; not all of it
   double seconds_per_step = 0.0;
-  double newton_directions = 0.0; ///< linear systems of the whole shot
-  double steps = 0.0;             ///< of the whole shot
-  double time_step = 0.0;         ///< the shorter of both methods' [s]
+  double newton_directions = 0.0;     ///< linear systems of the whole shot
+  double seconds_of_directions = 0.0; ///< of all of them, once describe_solver() was asked; not in seconds_per_step
+  double steps = 0.0;                 ///< of the whole shot
+  double time_step = 0.0;             ///< the shorter of both methods' [s]
+
+  /// CPU time of the whole shot [s].
+  double seconds() const { return steps * seconds_per_step + seconds_of_directions; }
 
   /// Frames, fields, and the checkpoints that are there at the end.
   std::uint64_t disk_bytes(double frame_count) const {

@@ -5,6 +5,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "sim/base/types.h"
+
 namespace wry::fem {
 
 namespace {
@@ -72,6 +74,49 @@ Elimination project_rotations(double* hessian, int lane, const std::array<double
   return Elimination::projected;
 }
 
+/// Clamps a linear tet's Hessian, all of whose energy is blind to translations, in the nine directions that are left:
+/// sums and differences of the nodes. `inertia` is the least of the nodes': what is projected lies below the sum.
+void project_apart_from_translations(double* hessian, int lane, double inertia) {
+  constexpr std::array<std::array<double, 4>, 3> DIFFERENCES = {
+      {{0.5, 0.5, -0.5, -0.5}, {0.5, -0.5, 0.5, -0.5}, {0.5, -0.5, -0.5, 0.5}}};
+  using Matrix9 = Eigen::Matrix<double, 9, 9>;
+  Matrix9 rest = Matrix9::Zero();
+  int block = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t l = k; l < 4; ++l, ++block) {
+      Mat3 entries;
+      for (int i = 0; i < 9; ++i)
+        entries(i / 3, i % 3) = hessian[(block * 9 + i) * LANES + lane];
+      for (int a = 0; a < 3; ++a) {
+        for (int b = 0; b < 3; ++b) {
+          const auto &first = DIFFERENCES[static_cast<std::size_t>(a)],
+                     &second = DIFFERENCES[static_cast<std::size_t>(b)];
+          rest.block<3, 3>(3 * a, 3 * b) += first[k] * second[l] * entries;
+          if (k != l)
+            rest.block<3, 3>(3 * a, 3 * b) += first[l] * second[k] * entries.transpose();
+        }
+      }
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix9> eigen(rest);
+  for (int mode = 0; mode < 9 && eigen.eigenvalues()[mode] < -inertia; ++mode) { // ascending
+    const double lack = -inertia - eigen.eigenvalues()[mode];
+    std::array<Vec3, 4> moved;
+    for (std::size_t k = 0; k < 4; ++k) {
+      moved[k].setZero();
+      for (int a = 0; a < 3; ++a)
+        moved[k] += DIFFERENCES[static_cast<std::size_t>(a)][k] * eigen.eigenvectors().col(mode).segment<3>(3 * a);
+    }
+    block = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      for (std::size_t l = k; l < 4; ++l, ++block) {
+        for (int i = 0; i < 9; ++i)
+          hessian[(block * 9 + i) * LANES + lane] += lack * moved[k][i / 3] * moved[l][i % 3];
+      }
+    }
+  }
+}
+
 } // namespace
 
 template <int D> bool project_element(double* hessian, int lane, const std::array<double, 4>& inertia) {
@@ -92,6 +137,10 @@ template <int D> bool project_element(double* hessian, int lane, const std::arra
   shifted.diagonal().array() += ROUND_OFF * scale;
   if (Eigen::LLT<Matrix>(shifted).info() == Eigen::Success)
     return false;
+  if constexpr (D == 3) {
+    project_apart_from_translations(hessian, lane, *std::min_element(inertia.begin(), inertia.end()));
+    return true;
+  }
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(element);
   Matrix clamped =
       eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();

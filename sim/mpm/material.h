@@ -74,13 +74,19 @@ struct Material {
   bool strength_varies = false;  ///< channel strength_scale from the scene
 };
 
+/// What a material does without, and why.
+struct LeftOut {
+  enum class Part { frames_and_maps, maps, second_moment, maps_of_each_particle, hardening } part;
+  std::string what, why;
+};
+
 /// A material ready to run. Its channels decide what particles carry; nothing else is allocated.
 struct CompiledMaterial {
   std::vector<Channel> channels; ///< beyond the base ones
   MaterialConstants<double> constants;
   double sound_speed = 0.0;          ///< sqrt(max over directions of the acoustic tensor / density) [m/s]
   std::string runs;                  ///< "Hencky, Drucker-Prager phi 35, isotropic: no maps"
-  std::vector<std::string> left_out; ///< "maps: isotropic", ... for `plan`
+  std::vector<LeftOut> left_out;     ///< for `plan`
   std::vector<std::string> warnings; ///< hydrostatic flow, asymmetric A^E, ...
 };
 

@@ -2,12 +2,11 @@
 #include <string>
 #include <vector>
 
-#include <sys/resource.h>
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/cli/children_support.h"
 #include "tests/cli/program_support.h"
 
 namespace wry::cli_test {
@@ -35,28 +34,6 @@ std::vector<PredictedShot> predicted_shots() {
     if (shot.name == "lotus_bowl") // its flowers have met each other after a second
       shot.sets = {"shot.frames=\"1-37\""};
   return shots;
-}
-
-double cpu_seconds_of_children() {
-  rusage usage{};
-  getrusage(RUSAGE_CHILDREN, &usage);
-  const auto seconds = [](const timeval& time) { return double(time.tv_sec) + 1e-6 * double(time.tv_usec); };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-/// Of the largest of them so far.
-double peak_bytes_of_children() {
-  rusage usage{};
-  getrusage(RUSAGE_CHILDREN, &usage);
-  return 1024.0 * double(usage.ru_maxrss);
-}
-
-double bytes_in(const fs::path& folder) {
-  double bytes = 0.0;
-  for (const fs::directory_entry& file : fs::recursive_directory_iterator(folder))
-    if (file.is_regular_file())
-      bytes += double(file.file_size());
-  return bytes;
 }
 
 class PredictionLong : public testing::TestWithParam<PredictedShot> {};

@@ -5,6 +5,7 @@
 #include "pipeline/cli/verb.h"
 #include "pipeline/plan/cost.h"
 #include "pipeline/plan/plan_report.h"
+#include "pipeline/plan/savings.h"
 #include "pipeline/run/resources.h"
 
 namespace wry::pipeline {
@@ -32,6 +33,7 @@ Status plan_verb(const Invocation& invocation) {
     return plan.error();
   if (Status status = describe_solver(*plan, session->isa, invocation.threads); !status)
     return status;
+  describe_savings(session->shot, *plan, session->isa, invocation.threads);
   if (Status room = look_for_room(*session, *plan); !room)
     plan->warnings.push_back("as it stands it would be refused: " + room.error().message);
   const std::string report = invocation.json ? plan_json(*plan) + "\n" : plan_text(*plan);

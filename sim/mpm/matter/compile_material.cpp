@@ -122,16 +122,17 @@ void describe(const Matter& matter, CompiledMaterial& compiled) {
     axes = "anisotropic: stiffness alone";
   compiled.runs =
       fmt::format("{}, {}, {}", elasticity_name(matter.elasticity), plasticity_words(matter.plasticity), axes);
+  using Part = LeftOut::Part;
   if (matter.isotropic)
-    compiled.left_out.push_back("anisotropic maps and material frames: the material is isotropic");
+    compiled.left_out.push_back({Part::frames_and_maps, "material frames and maps", "it is isotropic"});
   else if (!constants.uses_maps)
-    compiled.left_out.push_back("anisotropic maps: the law is linear in strain and there is no plasticity");
+    compiled.left_out.push_back({Part::maps, "maps", "the law is linear in strain and there is no plasticity"});
   if (!matter.isotropic && !constants.reorients)
-    compiled.left_out.push_back("second moment of the grains: no reorient");
+    compiled.left_out.push_back({Part::second_moment, "second moments of grains", "no reorient"});
   if (constants.uses_maps && !constants.reorients)
-    compiled.left_out.push_back("maps of each particle: one set serves all");
+    compiled.left_out.push_back({Part::maps_of_each_particle, "maps of each particle", "one set serves all"});
   if (constants.plasticity == Plasticity::drucker_prager && !constants.hardens)
-    compiled.left_out.push_back("hardening: friction is constant");
+    compiled.left_out.push_back({Part::hardening, "hardening", "friction is constant"});
 }
 
 } // namespace
