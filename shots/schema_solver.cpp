@@ -22,7 +22,7 @@ Section fem_section() {
              "Newton stops when the gradient of the incremental potential is below.")
           .called("tolerance")
           .standard(1e-8),
-      integer("max_newton_iterations", between(1, 100'000), "Iterations before a step is cut.").standard(60),
+      integer("max_newton_iterations", between(1, 100'000), "Iterations before a step is cut.").standard(250),
       choice("linear_solver",
              {{"auto", "chosen by size and stiffness; `wry plan` says why", ""},
               {"pcg", "conjugate gradients with block-Jacobi", ""},

@@ -195,7 +195,7 @@ struct FemSettings {
   double min_time_step = 1e-7;                             ///< the floor below which the simulation stops with an error
   /// Newton stops at |gradient of the incremental potential| below this [N s, N m s].
   double newton_tolerance = 1e-8;
-  int max_newton_iterations = 60;
+  int max_newton_iterations = 250;
   LinearSolver linear_solver = LinearSolver::automatic;
   double linear_tolerance = 0.0;           ///< relative; 0: inexact Newton chooses
   std::optional<double> contact_distance;  ///< d-hat [m]; absent: from the scene

@@ -61,7 +61,11 @@ public:
 private:
   void make_terms();
   void hold_nodes(double time);
-  std::optional<Trial> first_guess(const PlannedStage& planned) const;
+  struct FirstGuess {
+    Trial trial;
+    std::optional<Trial> given; ///< where held unknowns have to go from there
+  };
+  FirstGuess first_guess(const PlannedStage& planned) const;
   void turn_ahead(const Points& increments);
   double tolerance(double dt) const;
   double friction_momentum(const Stage& stage, const Trial& trial) const;
@@ -163,8 +167,8 @@ void Simulation::hold_nodes(double time) {
 }
 
 /// The expected velocities, shortened where they would pass an obstacle; where the step starts if they would invert
-/// elements. Nothing when drives lead through an obstacle.
-std::optional<Trial> Simulation::first_guess(const PlannedStage& planned) const {
+/// elements. Where drives alone would pass an obstacle or invert elements, they are left to be taken along.
+Simulation::FirstGuess Simulation::first_guess(const PlannedStage& planned) const {
   const Stage& stage = planned.stage;
   Trial trial;
   trial.velocities = planned.guess_velocities;
@@ -199,13 +203,13 @@ std::optional<Trial> Simulation::first_guess(const PlannedStage& planned) const 
   }
   update_trial(stage, trial);
   if (limit >= 1.0 && is_finite(trial))
-    return trial;
+    return {trial, {}};
   Trial still = start;
   m_boundary.impose(stage, m_state.rotations, still);
   update_trial(stage, still);
-  if (!m_plan.driven.empty() && limit_of(still) < 1.0)
-    return std::nullopt;
-  return still;
+  if (m_plan.driven.empty() || (limit_of(still) >= 1.0 && is_finite(still)))
+    return {still, {}};
+  return {start, still};
 }
 
 /// The plan's tolerance, which is a momentum, unless that is more than a thousandth of what gravity gives the bodies in
@@ -242,16 +246,16 @@ NewtonReport Simulation::solve(const PlannedStage& planned, Trial& trial) {
   const Stage& stage = planned.stage;
   const NewtonSettings settings{tolerance(stage.dt), m_plan.settings.max_newton_iterations,
                                 m_plan.settings.linear_tolerance};
-  const NewtonProblem problem{m_scene.model,
-                              m_terms,
-                              m_boundary.held(),
-                              *m_matrix,
-                              *m_linear.method,
-                              m_threads,
-                              [this](const Trial& at) -> const std::vector<Mat3>& {
-                                estimate_node_rotations(m_scene, m_state.rotations, at, m_node_rotations);
-                                return m_node_rotations;
-                              }};
+  NewtonProblem problem{m_scene.model,
+                        m_terms,
+                        m_boundary.held(),
+                        *m_matrix,
+                        *m_linear.method,
+                        m_threads,
+                        [this](const Trial& at) -> const std::vector<Mat3>& {
+                          estimate_node_rotations(m_scene, m_state.rotations, at, m_node_rotations);
+                          return m_node_rotations;
+                        }};
   Trial start;
   start.velocities = planned.guess_velocities;
   start.angular = planned.guess_angular;
@@ -261,13 +265,9 @@ NewtonReport Simulation::solve(const PlannedStage& planned, Trial& trial) {
     term->begin_step(stage, m_state.positions);
   for (EnergyTerm* term : m_terms)
     term->begin_solve(stage, start);
-  std::optional<Trial> guess = first_guess(planned);
-  if (!guess) {
-    NewtonReport blocked;
-    blocked.trouble = "a drive leads through an obstacle";
-    return blocked;
-  }
-  trial = std::move(*guess);
+  const FirstGuess guess = first_guess(planned);
+  trial = guess.trial;
+  problem.given = guess.given ? &*guess.given : nullptr;
   if (m_friction.empty())
     return minimise(problem, settings, stage, trial);
   NewtonReport total;
@@ -278,6 +278,7 @@ NewtonReport Simulation::solve(const PlannedStage& planned, Trial& trial) {
     if (pass == FrictionPass::near)
       own.tolerance = std::max(settings.tolerance, FRICTION_SHARE * friction_momentum(stage, trial));
     total = sum_of(total, minimise(problem, own, stage, trial));
+    problem.given = nullptr;
     if (!total.converged || pass == FrictionPass::last)
       break;
     for (EnergyTerm* term : m_terms)

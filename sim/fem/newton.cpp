@@ -20,6 +20,10 @@ constexpr int MAX_DOUBLINGS = 10;
 constexpr double STILL_STEEP = 0.4;
 /// Iterations for which friction is bounded, at most, each time Newton leaps to and fro.
 constexpr int MAX_PATIENCE = 3;
+/// Held unknowns that go less than this share of what is left of their way are stuck, and given up after so many times.
+constexpr double LEAST_SHARE_OF_WAY = 1e-3;
+constexpr int MAX_TIMES_STUCK = 5;
+constexpr double LINEAR_TOLERANCE_ON_WAY = 1e-2;
 constexpr double ARMIJO = 1e-4;
 constexpr int MAX_HALVINGS = 50;
 /// Relative to the sum of the absolute terms: energy changes below this are round-off and decide nothing.
@@ -61,7 +65,8 @@ public:
       , m_settings(settings)
       , m_stage(stage)
       , m_trial(trial)
-      , m_next(trial) {}
+      , m_next(trial)
+      , m_on_way(problem.given != nullptr) {}
 
   NewtonReport run() {
     evaluate(m_trial, m_now);
@@ -71,11 +76,18 @@ public:
       const bool arrived = advance_prescribed();
       if (!std::isfinite(m_now.energy) || !std::isfinite(m_now.residual))
         return give_up("the energy is not finite where obstacles went");
-      if (arrived && converged())
+      if (arrived && !m_on_way && converged())
         break;
       if (m_report.iterations >= m_settings.max_iterations)
-        return give_up(arrived ? "the Newton iteration limit was reached"
-                               : "obstacles could not reach the end of their way in the Newton iteration limit");
+        return give_up(!arrived   ? "obstacles could not reach the end of their way in the Newton iteration limit"
+                       : m_on_way ? "drives could not reach the end of their way in the Newton iteration limit"
+                                  : "the Newton iteration limit was reached");
+      if (m_on_way) {
+        ++m_report.iterations;
+        if (!take_held_along())
+          return give_up("a drive leads through an obstacle, or turns matter inside out");
+        continue;
+      }
       if (!find_direction())
         return give_up("no descent direction was found");
       ++m_report.iterations;
@@ -152,6 +164,11 @@ private:
 
   void assemble(Projection projection) {
     const Stopwatch watch(m_report.assemble_ms);
+    sum_matrix(projection);
+    hold_matrix();
+  }
+
+  void sum_matrix(Projection projection) {
     m_problem.matrix.set_zero(m_problem.threads);
     int projected = 0;
     for (const bool on_increments : {true, false}) {
@@ -164,6 +181,9 @@ private:
     }
     m_problem.matrix.finish_pairs();
     m_report.projected_elements += projected;
+  }
+
+  void hold_matrix() {
     m_report.round_off_floor = estimate_floor();
     m_problem.matrix.hold(m_problem.held, m_problem.threads);
     m_problem.matrix.update_single(m_problem.threads);
@@ -199,23 +219,87 @@ private:
   double linear_tolerance() const {
     if (m_settings.linear_tolerance > 0.0)
       return m_settings.linear_tolerance;
-    const double progress = m_report.iterations == 0 ? 1.0 : m_now.residual / m_first_residual;
+    const double progress = m_now.residual / m_first_residual;
     const double wanted = std::min(1e-2, 0.1 * std::sqrt(progress));
     const double enough = 0.3 * m_settings.tolerance / m_now.residual;
     return std::clamp(wanted, std::min(enough, 1e-2), 1e-2);
   }
 
-  /// True if m_direction is a descent direction.
-  bool solve() {
+  SolveReport solve_linear(double tolerance) {
     const Stopwatch watch(m_report.solve_ms);
-    for (std::size_t i = 0; i < m_right_side.size(); ++i)
-      m_right_side[i] = -m_now.gradient[i];
     const std::function<const std::vector<Mat3>&()> rotations = [&]() -> const std::vector<Mat3>& {
       return m_problem.node_rotations(m_trial);
     };
-    const LinearProblem linear{m_problem.matrix, m_right_side, linear_tolerance(), rotations};
+    const LinearProblem linear{m_problem.matrix, m_right_side, tolerance, rotations};
     const SolveReport report = m_problem.linear.solve(linear, m_direction);
     m_report.linear_iterations += report.iterations;
+    return report;
+  }
+
+  /// Puts what is left of the way of the held unknowns into m_way, packed; zero for the others.
+  void find_way() {
+    const DofLayout& layout = m_problem.model.layout;
+    m_way.assign(layout.dof_count(), 0.0);
+    for (int node = 0; node < layout.node_count(); ++node) {
+      for (int i = 0; i < layout.dofs(node); ++i) {
+        const std::size_t dof = layout.dof(node) + static_cast<std::size_t>(i);
+        if (m_problem.held[dof])
+          m_way[dof] = i < 3 ? m_problem.given->velocities(node, i) - m_trial.velocities(node, i)
+                             : m_problem.given->angular(node, i - 3) - m_trial.angular(node, i - 3);
+      }
+    }
+  }
+
+  /// A step of Newton's that has the held unknowns go on along their way, and the free ones follow them: K (d_free +
+  /// d_held) = -g. It goes as far as nothing collides and the energy stays finite. False when that is next to nothing.
+  bool take_held_along() {
+    find_way();
+    bool solved = false;
+    for (const Projection projection : {Projection::elements_with_inertia, Projection::elements}) {
+      {
+        const Stopwatch watch(m_report.assemble_ms);
+        sum_matrix(projection);
+        pad(m_problem.model.layout, m_way, m_padded_way);
+        m_padded_force.assign(m_padded_way.size(), 0.0);
+        m_problem.matrix.multiply(m_padded_way, m_padded_force, m_problem.threads);
+        unpad(m_problem.model.layout, m_padded_force, m_right_side);
+        for (std::size_t i = 0; i < m_right_side.size(); ++i)
+          m_right_side[i] = m_problem.held[i] ? 0.0 : -m_now.gradient[i] - m_right_side[i];
+        hold_matrix();
+      }
+      const SolveReport report = solve_linear(LINEAR_TOLERANCE_ON_WAY);
+      solved = report.end != SolveEnd::indefinite;
+      if (solved)
+        break;
+    }
+    if (!solved)
+      return false;
+    for (std::size_t i = 0; i < m_way.size(); ++i) {
+      if (m_problem.held[i])
+        m_direction[i] = m_way[i];
+    }
+    double fraction = step_limit();
+    for (int halvings = 0; halvings <= MAX_HALVINGS; ++halvings, fraction *= 0.5) {
+      move(fraction);
+      evaluate(m_next, m_tried);
+      if (std::isfinite(m_tried.energy) && std::isfinite(m_tried.residual)) {
+        std::swap(m_trial, m_next);
+        std::swap(m_now, m_tried);
+        m_previous_residual = m_tried.residual;
+        m_on_way = fraction < 1.0;
+        m_times_stuck = fraction < LEAST_SHARE_OF_WAY ? m_times_stuck + 1 : 0;
+        return m_times_stuck < MAX_TIMES_STUCK;
+      }
+      ++m_report.halvings;
+    }
+    return false;
+  }
+
+  /// True if m_direction is a descent direction.
+  bool solve() {
+    for (std::size_t i = 0; i < m_right_side.size(); ++i)
+      m_right_side[i] = -m_now.gradient[i];
+    const SolveReport report = solve_linear(linear_tolerance());
     // A direction that goes on along negative curvature spares the projection (Steihaug 1983). Far from a minimum,
     // where it is met at once, projected elements lead further; once they have led to a ridge, they only creep along
     // it.
@@ -230,7 +314,7 @@ private:
   }
 
   bool find_direction() {
-    if (m_report.iterations == 0)
+    if (m_first_residual == 0.0)
       m_first_residual = m_now.residual;
     m_right_side.resize(m_now.gradient.size());
     m_projected_before = m_projected;
@@ -378,6 +462,8 @@ private:
   Trial m_shorter;
   Evaluation m_now, m_tried, m_tried_shorter;
   std::vector<double> m_right_side, m_direction, m_diagonal;
+  std::vector<double> m_way; ///< of the held unknowns
+  AlignedVector<double> m_padded_way, m_padded_force;
   Points m_position_change;
   double m_slope = 0.0;
   double m_first_residual = 0.0;
@@ -390,6 +476,8 @@ private:
   int m_bound_friction_for = 0; ///< iterations
   int m_patience = 1;           ///< iterations for which friction will be bounded the next time
   double m_left = 1.0;          ///< of the way of what is prescribed
+  bool m_on_way;                ///< held unknowns are not where they have to be at the end
+  int m_times_stuck = 0;
   NewtonReport m_report;
 };
 

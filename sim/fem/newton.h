@@ -46,6 +46,9 @@ struct NewtonProblem {
   LinearMethod& linear;
   const Threads& threads;
   std::function<const std::vector<Mat3>&(const Trial&)> node_rotations;
+  /// Where held unknowns have to be at the end, where the trial does not have them there yet: they are taken along with
+  /// the directions, as far as obstacles and the matter allow. nullptr: they are there.
+  const Trial* given = nullptr;
 };
 
 /// Fills positions and increments from the velocities of a trial.

@@ -128,6 +128,24 @@ TEST(Drive, StepsLandOnReleasesAndTheReleasedEndSpringsBack) {
   EXPECT_GT(drift(plan, *simulation), 1e-4);
 }
 
+/// The far end goes one and a half cells in a step, so that the last layer of cells would be inside out if the rest
+/// stayed, whose energy is infinite then. It is taken along, and no step is cut.
+TEST(Drive, TakesMatterAlongThatTheDriveAloneWouldTurnInsideOut) {
+  for (const ElasticModel model : {ElasticModel::neo_hookean, ElasticModel::micropolar_neo_hookean}) {
+    FemPlan plan = twisted_bar(model, 0.0, 1.0);
+    plan.driven[0].motion = *scene::Motion::along_keys(
+        {{{0.0, Vec3::Zero(), Vec3::UnitX(), 0.0}, {0.05, Vec3(-0.15, 0, 0), Vec3::UnitX(), 20.0}}, Vec3::Zero()});
+    plan.settings.max_time_step = 0.05;
+    const std::unique_ptr<FemSimulation> simulation = simulate(plan);
+    const Result<StepStats> stats = simulation->step(0.05);
+    ASSERT_TRUE(stats) << stats.error().message;
+    EXPECT_EQ(stats->cuts, 0);
+    EXPECT_EQ(stats->time, 0.05);
+    EXPECT_LT(drift(plan, *simulation), 1e-14);
+    EXPECT_LT(stats->residual, plan.settings.newton_tolerance);
+  }
+}
+
 TEST(Drive, ManyTurnsAreFollowedWithoutLosingOne) {
   // Two and a half turns of a free bar, driven at one end alone, within half a second.
   FemPlan plan = twisted_bar(ElasticModel::micropolar, 900.0, 0.5);
