@@ -52,15 +52,15 @@ using RunChunk = std::function<void(std::size_t)>;
 struct Threads::Arena {
   explicit Arena(int count)
       : thread_count(count)
-      , shares(static_cast<std::size_t>(std::min(count, processors()))) {}
+      , m_shares(static_cast<std::size_t>(std::min(count, processors()))) {}
 
   ~Arena() {
     {
-      const std::lock_guard<std::mutex> lock(mutex);
-      stopping = true;
+      const std::lock_guard<std::mutex> lock(m_mutex);
+      m_stopping = true;
     }
-    wake_up.notify_all();
-    for (std::thread& helper : helpers)
+    m_wake_up.notify_all();
+    for (std::thread& helper : m_helpers)
       helper.join();
   }
 
@@ -72,28 +72,28 @@ struct Threads::Arena {
 
   /// False when there is nobody to share with, or the threads are at work already: then the caller works alone.
   bool run(std::size_t chunks, const RunChunk& run_chunk) {
-    if (shares.size() == 1 || chunks == 1 || busy.exchange(true, std::memory_order_acquire))
+    if (m_shares.size() == 1 || chunks == 1 || m_busy.exchange(true, std::memory_order_acquire))
       return false;
-    while (helpers.size() + 1 < shares.size())
-      helpers.emplace_back([this, mine = helpers.size() + 1] { help(mine); });
-    const std::uint32_t loop = current.load(std::memory_order_relaxed) + 1;
-    job = &run_chunk;
-    failed.store(false, std::memory_order_relaxed);
-    unfinished.store(chunks, std::memory_order_relaxed);
-    for (std::size_t i = 0; i < shares.size(); ++i) {
-      shares[i].end = chunks * (i + 1) / shares.size();
-      const std::uint64_t left = shares[i].end - chunks * i / shares.size();
-      shares[i].left.store(std::uint64_t(loop) << 32 | left, std::memory_order_release);
+    while (m_helpers.size() + 1 < m_shares.size())
+      m_helpers.emplace_back([this, mine = m_helpers.size() + 1] { help(mine); });
+    const std::uint32_t loop = m_current.load(std::memory_order_relaxed) + 1;
+    m_job = &run_chunk;
+    m_failed.store(false, std::memory_order_relaxed);
+    m_unfinished.store(chunks, std::memory_order_relaxed);
+    for (std::size_t i = 0; i < m_shares.size(); ++i) {
+      m_shares[i].end = chunks * (i + 1) / m_shares.size();
+      const std::uint64_t left = m_shares[i].end - chunks * i / m_shares.size();
+      m_shares[i].left.store(std::uint64_t(loop) << 32 | left, std::memory_order_release);
     }
-    current.store(loop);
-    if (sleepers.load() > 0) {
-      { const std::lock_guard<std::mutex> lock(mutex); }
-      wake_up.notify_all();
+    m_current.store(loop);
+    if (m_sleepers.load() > 0) {
+      { const std::lock_guard<std::mutex> lock(m_mutex); }
+      m_wake_up.notify_all();
     }
     work(0, loop);
     wait_for_others();
-    const std::exception_ptr thrown = std::exchange(failure, nullptr);
-    busy.store(false, std::memory_order_release);
+    const std::exception_ptr thrown = std::exchange(m_failure, nullptr);
+    m_busy.store(false, std::memory_order_release);
     if (thrown)
       std::rethrow_exception(thrown);
     return true;
@@ -121,70 +121,70 @@ private:
   /// Chunks of the own share, then of the others', until none is left. A loop that is over has none.
   void work(std::size_t mine, std::uint32_t loop) {
     std::size_t done = 0;
-    for (std::size_t i = 0; i < shares.size(); ++i) {
+    for (std::size_t i = 0; i < m_shares.size(); ++i) {
       std::size_t chunk = 0;
-      for (Share& share = shares[(mine + i) % shares.size()]; take(share, loop, chunk); ++done)
+      for (Share& share = m_shares[(mine + i) % m_shares.size()]; take(share, loop, chunk); ++done)
         run_one(chunk);
     }
-    if (done == 0 || unfinished.fetch_sub(done) != done)
+    if (done == 0 || m_unfinished.fetch_sub(done) != done)
       return;
-    if (mine != 0 && caller_sleeps.load()) {
-      { const std::lock_guard<std::mutex> lock(mutex); }
-      all_done.notify_one();
+    if (mine != 0 && m_caller_sleeps.load()) {
+      { const std::lock_guard<std::mutex> lock(m_mutex); }
+      m_all_done.notify_one();
     }
   }
 
   void run_one(std::size_t chunk) {
-    if (failed.load(std::memory_order_relaxed))
+    if (m_failed.load(std::memory_order_relaxed))
       return;
     try {
-      (*job)(chunk);
+      (*m_job)(chunk);
     } catch (...) {
-      const std::lock_guard<std::mutex> lock(mutex);
-      if (!failed.exchange(true))
-        failure = std::current_exception();
+      const std::lock_guard<std::mutex> lock(m_mutex);
+      if (!m_failed.exchange(true))
+        m_failure = std::current_exception();
     }
   }
 
   void wait_for_others() {
-    const auto done = [this] { return unfinished.load(std::memory_order_acquire) == 0; };
+    const auto done = [this] { return m_unfinished.load(std::memory_order_acquire) == 0; };
     if (look_out_for(done))
       return;
-    std::unique_lock<std::mutex> lock(mutex);
-    caller_sleeps.store(true);
-    all_done.wait(lock, [this] { return unfinished.load() == 0; });
-    caller_sleeps.store(false);
+    std::unique_lock<std::mutex> lock(m_mutex);
+    m_caller_sleeps.store(true);
+    m_all_done.wait(lock, [this] { return m_unfinished.load() == 0; });
+    m_caller_sleeps.store(false);
   }
 
   void help(std::size_t mine) {
     for (std::uint32_t seen = 0;;) {
-      const auto called = [this, &seen] { return current.load() != seen; };
+      const auto called = [this, &seen] { return m_current.load() != seen; };
       if (!look_out_for(called)) {
-        std::unique_lock<std::mutex> lock(mutex);
-        ++sleepers;
-        wake_up.wait(lock, [&] { return stopping || called(); });
-        --sleepers;
-        if (stopping)
+        std::unique_lock<std::mutex> lock(m_mutex);
+        ++m_sleepers;
+        m_wake_up.wait(lock, [&] { return m_stopping || called(); });
+        --m_sleepers;
+        if (m_stopping)
           return;
       }
-      seen = current.load();
+      seen = m_current.load();
       work(mine, seen);
     }
   }
 
-  std::vector<Share> shares; ///< the caller's first
-  std::vector<std::thread> helpers;
-  std::atomic<bool> busy = false;
-  const RunChunk* job = nullptr;
-  std::atomic<bool> failed = false;
-  std::exception_ptr failure;
-  alignas(64) std::atomic<std::uint32_t> current = 0; ///< number of the last loop
-  alignas(64) std::atomic<std::size_t> unfinished = 0;
-  std::atomic<bool> caller_sleeps = false;
-  std::atomic<int> sleepers = 0;
-  bool stopping = false;
-  std::mutex mutex;
-  std::condition_variable wake_up, all_done;
+  std::vector<Share> m_shares; ///< the caller's first
+  std::vector<std::thread> m_helpers;
+  std::atomic<bool> m_busy = false;
+  const RunChunk* m_job = nullptr;
+  std::atomic<bool> m_failed = false;
+  std::exception_ptr m_failure;
+  alignas(64) std::atomic<std::uint32_t> m_current = 0; ///< number of the last loop
+  alignas(64) std::atomic<std::size_t> m_unfinished = 0;
+  std::atomic<bool> m_caller_sleeps = false;
+  std::atomic<int> m_sleepers = 0;
+  bool m_stopping = false;
+  std::mutex m_mutex;
+  std::condition_variable m_wake_up, m_all_done;
 };
 
 Threads::Threads(int count)
