@@ -37,6 +37,66 @@ Words without_length_scale(const Words& materials) {
   return sets;
 }
 
+Words without_axes(const std::string& material, const std::string& modulus, const std::string& ratio) {
+  const std::string of = "material." + material + '.';
+  return {of + "youngs_modulus=" + modulus, of + "poisson_ratio=" + ratio, of + "plastic_scale=1"};
+}
+
+Words joined(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+/// Matter with axes: at coarse cells and with one grain per particle.
+const std::vector<ShippedShot>& shipped_shots_of_grains() {
+  static const std::vector<ShippedShot> shots = {
+      {"column",
+       "sweep",
+       {"body.column.sub_particles.per_particle=1"},
+       {{{"material.sand.frame=fixed"}, "strong-runs-out", ""},
+        {{"material.sand.plastic_scale.z=1"}, "strong-runs-out", "strong"}}},
+      {"column_general",
+       "run",
+       {"body.column.sub_particles.per_particle=1"},
+       {{{"material.sand.frame=fixed"}, "leans-to-one-side", ""},
+        {{"material.sand.plastic_map=[[1,0,0],[0,1,0],[0,0,1]]"}, "spreads-along-x", ""}}},
+      {"fibre_pull",
+       "sweep",
+       {"body.bundle.sub_particles.per_particle=1"},
+       {{{"material.fibre.frame=fixed"}, "tilted-holds-longer", ""},
+        {without_axes("fibre", "1e5", "0.1"), "along-tears-first", ""}}},
+      {"fibre_hang",
+       "sweep",
+       {"body.bundle.sub_particles.per_particle=1"},
+       {{{"material.fibre.frame=fixed"}, "across-holds-longest", ""},
+        {without_axes("fibre", "1e5", "0.1"), "tilted-holds-longer", ""}}},
+      {"slope",
+       "sweep",
+       {"mpm.cell_size=0.02", "body.block.sub_particles.per_particle=1"},
+       {{{"material.straw.reorient.length_over_width=1"}, "grains-that-point-anywhere-align", ""},
+        {{"material.straw.frame=fixed", "material.fixed_straw.frame=fixed"},
+         "unless-they-only-roll-with-the-matter",
+         ""},
+        {joined(without_axes("straw", "5e5", "0.4"), without_axes("fixed_straw", "5e5", "0.4")),
+         "grains-along-the-slope-run-further", ""}}},
+      {"grains",
+       "sweep",
+       {"mpm.cell_size=0.0133", "body.heap.sub_particles.per_particle=1"},
+       {{{"material.cards.frame=fixed", "material.rods.frame=fixed", "material.layers.frame=fixed"},
+         "tilted-rods-run-along-their-tilt",
+         ""},
+        {joined(joined(without_axes("cards", "5e4", "0.2"), without_axes("rods", "5e5", "0.2")),
+                without_axes("layers", "1e4", "0.2")),
+         "tilted-layers-stand-the-blow-higher", ""}}},
+      {"dump_truck",
+       "sweep",
+       {"mpm.cell_size=0.02", "body.load.sub_particles.per_particle=1"},
+       {{{"material.straw.frame=fixed"}, "vertical-keeps-more", ""},
+        {without_axes("straw", "5e5", "0.4"), "vertical-lies-lower", ""}}},
+  };
+  return shots;
+}
+
 const std::vector<ShippedShot>& shipped_shots() {
   static const std::vector<ShippedShot> shots = {
       {"flexing_bar", "run", {}, {{{"material.rubber.length_scale=0"}, "it-swings-back", ""}}},
@@ -103,6 +163,9 @@ TEST_P(ShippedShotsLong, FailsWithItsFeatureSwitchedOff) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shots, ShippedShotsLong, testing::ValuesIn(shipped_shots()),
+                         [](const testing::TestParamInfo<ShippedShot>& shot) { return shot.param.name; });
+
+INSTANTIATE_TEST_SUITE_P(Grains, ShippedShotsLong, testing::ValuesIn(shipped_shots_of_grains()),
                          [](const testing::TestParamInfo<ShippedShot>& shot) { return shot.param.name; });
 
 } // namespace
