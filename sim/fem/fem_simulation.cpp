@@ -10,10 +10,12 @@
 #include "sim/fem/contact_system.h"
 #include "sim/fem/fem_scene.h"
 #include "sim/fem/fem_state.h"
+#include "sim/fem/first_guess.h"
 #include "sim/fem/newton.h"
 #include "sim/fem/nodal_rotations.h"
 #include "sim/fem/reactions.h"
 #include "sim/fem/solver_choice.h"
+#include "sim/fem/state_report.h"
 #include "sim/fem/step_control.h"
 #include "sim/fem/terms/node_terms.h"
 #include "sim/fem/terms/stiffness_damping.h"
@@ -35,7 +37,6 @@ constexpr double CROWDED_SHARE = 0.02;
 constexpr double STIFFEN_BY = 4.0;
 /// A step that was cut so often goes on with contacts as stiff as before it.
 constexpr int CUTS_WITH_STIFFER = 9;
-constexpr int FIRST_GUESS_PASSES = 3;
 
 class Simulation final : public FemSimulation {
 public:
@@ -61,11 +62,6 @@ public:
 private:
   void make_terms();
   void hold_nodes(double time);
-  struct FirstGuess {
-    Trial trial;
-    std::optional<Trial> given; ///< where held unknowns have to go from there
-  };
-  FirstGuess first_guess(const PlannedStage& planned) const;
   void turn_ahead(const Points& increments);
   double tolerance(double dt) const;
   double friction_momentum(const Stage& stage, const Trial& trial) const;
@@ -73,10 +69,7 @@ private:
   NewtonReport solve(const PlannedStage& planned, Trial& trial);
   void accept(const Stage& stage, const Trial& trial);
   void stiffen_crowded_contacts();
-  void report_energies(const Trial& trial, StepStats& stats);
-  Trial trial_at_rest_in_state() const;
   Error give_up(double dt, const NewtonReport& report) const;
-  std::string describe_inverted() const;
 
   FemPlan m_plan;
   Threads m_threads;
@@ -166,52 +159,6 @@ void Simulation::hold_nodes(double time) {
   m_contact.ignored = m_boundary.immovable();
 }
 
-/// The expected velocities, shortened where they would pass an obstacle; where the step starts if they would invert
-/// elements. Where drives alone would pass an obstacle or invert elements, they are left to be taken along.
-Simulation::FirstGuess Simulation::first_guess(const PlannedStage& planned) const {
-  const Stage& stage = planned.stage;
-  Trial trial;
-  trial.velocities = planned.guess_velocities;
-  trial.angular = planned.guess_angular;
-  m_boundary.impose(stage, m_state.rotations, trial);
-  // Where the step starts, which is known to be free of intersections; of stages whose base lies elsewhere, too.
-  Trial start = trial;
-  start.velocities = (m_state.positions - stage.base_positions) / stage.beta;
-  start.angular.setZero();
-  update_trial(stage, start);
-  const auto limit_of = [&](const Trial& to) {
-    const Points change = stage.beta * (to.velocities - start.velocities);
-    double limit = 1.0;
-    for (const EnergyTerm* term : m_terms)
-      limit = std::min(limit, term->step_limit(start, change));
-    return limit;
-  };
-  const auto is_finite = [&](const Trial& at) {
-    return std::all_of(m_terms.begin(), m_terms.end(),
-                       [&](const EnergyTerm* term) { return std::isfinite(term->energy(stage, at)); });
-  };
-  double limit = limit_of(trial);
-  // Drives are not shortened, so what is left has to be asked for again.
-  for (int pass = 0; limit < 1.0 && pass < FIRST_GUESS_PASSES; ++pass) {
-    trial.velocities = start.velocities + limit * (trial.velocities - start.velocities);
-    if (m_plan.driven.empty()) {
-      limit = 1.0;
-      break;
-    }
-    m_boundary.impose(stage, m_state.rotations, trial);
-    limit = limit_of(trial);
-  }
-  update_trial(stage, trial);
-  if (limit >= 1.0 && is_finite(trial))
-    return {trial, {}};
-  Trial still = start;
-  m_boundary.impose(stage, m_state.rotations, still);
-  update_trial(stage, still);
-  if (m_plan.driven.empty() || (limit_of(still) >= 1.0 && is_finite(still)))
-    return {still, {}};
-  return {start, still};
-}
-
 /// The plan's tolerance, which is a momentum, unless that is more than a thousandth of what gravity gives the bodies in
 /// a step (and more than moves them by a hundred-thousandth of their size): tiny bodies would not move at all.
 double Simulation::tolerance(double dt) const {
@@ -265,7 +212,7 @@ NewtonReport Simulation::solve(const PlannedStage& planned, Trial& trial) {
     term->begin_step(stage, m_state.positions);
   for (EnergyTerm* term : m_terms)
     term->begin_solve(stage, start);
-  const FirstGuess guess = first_guess(planned);
+  const FirstGuess guess = first_guess(planned, m_state, m_boundary, m_terms, !m_plan.driven.empty());
   trial = guess.trial;
   problem.given = guess.given ? &*guess.given : nullptr;
   if (m_friction.empty())
@@ -370,7 +317,7 @@ Result<StepStats> Simulation::step(double end) {
     stats.safe_step_ms = cost.safe_step_ms;
   }
   stiffen_crowded_contacts();
-  report_energies(trial_at_rest_in_state(), stats);
+  add_energies(m_scene, m_state, stats);
   stats.total_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return stats;
 }
@@ -404,54 +351,6 @@ void Simulation::stiffen_crowded_contacts() {
   }
 }
 
-Trial Simulation::trial_at_rest_in_state() const {
-  Trial trial;
-  trial.positions = m_state.positions;
-  trial.velocities = m_state.velocities;
-  trial.angular = m_state.angular;
-  trial.increments = Points::Zero(m_state.angular.rows(), 3);
-  return trial;
-}
-
-void Simulation::report_energies(const Trial& trial, StepStats& stats) {
-  const FemModel& model = m_scene.model;
-  for (int node = 0; node < model.layout.node_count(); ++node) {
-    stats.kinetic_energy += 0.5 * model.mass[node] * m_state.velocities.row(node).squaredNorm();
-    if (model.rotary_mass[node] > 0.0)
-      stats.kinetic_energy += 0.5 * model.rotary_mass[node] * m_state.angular.row(node).squaredNorm();
-    stats.gravity_energy -= model.mass[node] * m_state.positions.row(node).dot(model.gravity);
-  }
-  for (const std::unique_ptr<BodyElements>& elements : m_scene.elements) {
-    const double total = elements->energy({}, trial);
-    const double elastic = elements->has_curvature() ? elements->elastic_energy(trial) : total;
-    stats.elastic_energy += elastic;
-    stats.curvature_energy += total - elastic;
-  }
-}
-
-/// "; body 'skin': tet 12 (vertices 3 4 5 9) has turned inside out, and the energy of its material is infinite there",
-/// of the first tet with no volume left or the wrong sign; empty where there is none.
-std::string Simulation::describe_inverted() const {
-  for (std::size_t i = 0; i < m_plan.bodies.size(); ++i) {
-    const FemBody& body = m_plan.bodies[i];
-    if (is_plate(body.element))
-      continue;
-    for (Eigen::Index t = 0; t < body.mesh->tets.rows(); ++t) {
-      Mat3 edges;
-      for (int k = 0; k < 3; ++k)
-        edges.col(k) = (m_state.positions.row(m_scene.model.bodies[i].first_node + body.mesh->tets(t, k + 1)) -
-                        m_state.positions.row(m_scene.model.bodies[i].first_node + body.mesh->tets(t, 0)))
-                           .transpose();
-      if (const double volume = edges.determinant() / 6.0; !(volume > 0.0))
-        return fmt::format("; body '{}': tet {} (vertices {} {} {} {}) has the volume {:.3g} m^3: a material with a "
-                           "logarithm of it cannot come back from there",
-                           body.name, t, body.mesh->tets(t, 0), body.mesh->tets(t, 1), body.mesh->tets(t, 2),
-                           body.mesh->tets(t, 3), volume);
-    }
-  }
-  return {};
-}
-
 Error Simulation::give_up(double dt, const NewtonReport& report) const {
   return make_error(
       ErrorCode::solver,
@@ -462,7 +361,7 @@ Error Simulation::give_up(double dt, const NewtonReport& report) const {
       m_plan.settings.newton_tolerance, report.round_off_floor,
       (m_contact_system && !m_contact_system->describe_limit().empty() ? "; " + m_contact_system->describe_limit()
                                                                        : "") +
-          (report.trouble == ENERGY_NOT_FINITE ? describe_inverted() : ""));
+          (report.trouble == ENERGY_NOT_FINITE ? describe_inverted(m_plan, m_scene, m_state) : ""));
 }
 
 SceneStatic Simulation::scene_static() const {
@@ -470,7 +369,7 @@ SceneStatic Simulation::scene_static() const {
 }
 
 Frame Simulation::snapshot(int number) const {
-  const Trial trial = trial_at_rest_in_state();
+  const Trial trial = trial_at_rest_in(m_state);
   std::vector<std::vector<double>> energies;
   for (const std::unique_ptr<BodyElements>& elements : m_scene.elements)
     energies.push_back(elements->element_energies(trial));

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 
+#include "sim/fem/incremental_potential.h"
 #include "sim/fem/rotation_update.h"
 
 namespace wry::fem {
@@ -50,20 +50,13 @@ private:
   std::chrono::steady_clock::time_point m_start;
 };
 
-struct Evaluation {
-  double energy = 0.0;
-  double magnitude = 0.0; ///< sum of |terms|, the scale of round-off
-  double residual = 0.0;  ///< |gradient| over free unknowns
-  std::vector<double> gradient;
-  std::vector<double> gradient_by_increments; ///< of the exponential update, before its chain; else empty
-};
-
 class Minimiser {
 public:
   Minimiser(const NewtonProblem& problem, const NewtonSettings& settings, const Stage& stage, Trial& trial)
       : m_problem(problem)
       , m_settings(settings)
       , m_stage(stage)
+      , m_potential(problem, stage)
       , m_trial(trial)
       , m_next(trial)
       , m_on_way(problem.given != nullptr) {}
@@ -134,32 +127,7 @@ private:
 
   void evaluate(const Trial& trial, Evaluation& out) {
     const Stopwatch watch(m_report.evaluate_ms);
-    out.energy = out.magnitude = 0.0;
-    out.gradient.assign(m_problem.model.layout.dof_count(), 0.0);
-    add_terms(trial, true, out);
-    if (m_stage.exponential) {
-      out.gradient_by_increments = out.gradient;
-      chain_gradient(m_problem.model.layout, m_stage, trial, out.gradient);
-    }
-    add_terms(trial, false, out);
-    double sum = 0.0;
-    for (std::size_t i = 0; i < out.gradient.size(); ++i) {
-      if (m_problem.held[i])
-        out.gradient[i] = 0.0;
-      sum += out.gradient[i] * out.gradient[i];
-    }
-    out.residual = std::sqrt(sum);
-  }
-
-  /// The terms that act on increments come first: what they give is by Cayley increments.
-  void add_terms(const Trial& trial, bool on_increments, Evaluation& out) {
-    for (const EnergyTerm* term : m_problem.terms) {
-      if (term->acts_on_increments() != on_increments)
-        continue;
-      const double energy = term->add_gradient(m_stage, trial, out.gradient);
-      out.energy += energy;
-      out.magnitude += std::abs(energy);
-    }
+    m_potential.evaluate(trial, out);
   }
 
   void assemble(Projection projection) {
@@ -169,52 +137,10 @@ private:
   }
 
   void sum_matrix(Projection projection) {
-    m_problem.matrix.set_zero(m_problem.threads);
-    int projected = 0;
-    for (const bool on_increments : {true, false}) {
-      for (const EnergyTerm* term : m_problem.terms) {
-        if (term->acts_on_increments() == on_increments)
-          projected += term->add_hessian(m_stage, m_trial, projection, m_problem.matrix);
-      }
-      if (on_increments && m_stage.exponential)
-        chain_hessian(m_stage, m_trial, m_now.gradient_by_increments, m_problem.matrix);
-    }
-    m_problem.matrix.finish_pairs();
-    m_report.projected_elements += projected;
+    m_report.projected_elements += m_potential.sum_matrix(m_trial, m_now, projection);
   }
 
-  void hold_matrix() {
-    m_report.round_off_floor = estimate_floor();
-    m_problem.matrix.hold(m_problem.held, m_problem.threads);
-    m_problem.matrix.update_single(m_problem.threads);
-  }
-
-  /// How large the residual can be from rounding positions and momenta alone: each force is a stiffness times a
-  /// position.
-  double estimate_floor() {
-    const FemModel& model = m_problem.model;
-    m_problem.matrix.diagonal(m_diagonal);
-    double sum = 0.0;
-    for (int node = 0; node < model.layout.node_count(); ++node) {
-      const double place = m_trial.positions.row(node).norm();
-      const double momentum =
-          model.mass[node] * (m_trial.velocities.row(node).norm() + m_stage.beta * model.gravity.norm());
-      for (int i = 0; i < model.layout.dofs(node); ++i) {
-        const std::size_t dof = model.layout.dof(node) + i;
-        if (m_problem.held[dof])
-          continue;
-        double noise = 0.0;
-        if (i < 3) {
-          noise = std::max(0.0, m_diagonal[dof] - model.mass[node]) / m_stage.beta * place + momentum;
-        } else {
-          const double coupling = std::sqrt(std::abs(m_diagonal[dof] * m_diagonal[dof - 3]));
-          noise = (std::abs(m_diagonal[dof]) + coupling * place) / m_stage.beta;
-        }
-        sum += noise * noise;
-      }
-    }
-    return std::numeric_limits<double>::epsilon() * std::sqrt(sum);
-  }
+  void hold_matrix() { m_report.round_off_floor = m_potential.hold_matrix(m_trial); }
 
   double linear_tolerance() const {
     if (m_settings.linear_tolerance > 0.0)
@@ -331,24 +257,11 @@ private:
     }
     for (double shift = 1e-6; shift < 1.0; shift *= 100.0) {
       assemble(Projection::elements);
-      add_shift(shift);
+      m_potential.add_shift(shift);
       if (solve())
         return true;
     }
     return false;
-  }
-
-  /// Last resort when even projected elements leave a matrix that is not positive definite in floating point.
-  void add_shift(double shift) {
-    for (BlockMatrix::Section& section : m_problem.matrix.sections()) {
-      const int d = section.nodes.dofs;
-      for (int node = 0; node < section.nodes.node_count; ++node) {
-        double* block = section.values.data() + section.row_begin[node] * d * d;
-        for (int i = 0; i < d; ++i)
-          block[i * d + i] += shift * std::abs(block[i * d + i]) + std::numeric_limits<double>::min();
-      }
-    }
-    m_problem.matrix.update_single(m_problem.threads);
   }
 
   void move(double fraction) {
@@ -457,11 +370,12 @@ private:
   const NewtonProblem& m_problem;
   const NewtonSettings& m_settings;
   const Stage& m_stage;
+  IncrementalPotential m_potential;
   Trial& m_trial;
   Trial m_next;
   Trial m_shorter;
   Evaluation m_now, m_tried, m_tried_shorter;
-  std::vector<double> m_right_side, m_direction, m_diagonal;
+  std::vector<double> m_right_side, m_direction;
   std::vector<double> m_way; ///< of the held unknowns
   AlignedVector<double> m_padded_way, m_padded_force;
   Points m_position_change;
