@@ -273,6 +273,19 @@ CostEstimate estimate_cost(const shots::Shot& shot, const ScenePlan& plan) {
   return cost;
 }
 
+namespace {
+
+std::string describe_tolerance(const fem::FemSimulation& simulation, const fem::FemSettings& settings) {
+  const double own = simulation.newton_tolerance(settings.max_time_step);
+  std::string words = fmt::format("until {:.3g} N s are out of balance", own);
+  if (own < settings.newton_tolerance)
+    words += fmt::format(": fem.newton_tolerance = {:.3g} is too much for bodies so light",
+                         settings.newton_tolerance);
+  return words;
+}
+
+} // namespace
+
 Status describe_solver(ScenePlan& plan, Isa isa, int threads) {
   if (plan.sim.fem.bodies.empty())
     return {};
@@ -280,6 +293,7 @@ Status describe_solver(ScenePlan& plan, Isa isa, int threads) {
   if (!simulation)
     return simulation.error();
   const fem::SolverChoice choice = (*simulation)->solver_choice();
+  plan.runs.push_back({"Newton's method", describe_tolerance(**simulation, plan.sim.fem.settings)});
   plan.runs.push_back({"linear solver", choice.reason});
   plan.cost.seconds_of_directions = plan.cost.newton_directions * choice.seconds_per_direction;
   add_cost_of_solver(plan.cost, (*simulation)->memory_bytes());

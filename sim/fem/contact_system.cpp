@@ -1,11 +1,11 @@
 #include "sim/fem/contact_system.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <set>
 
+#include "sim/base/stopwatch.h"
 #include "sim/contact/crossings.h"
 #include "sim/contact/pair_boxes.h"
 
@@ -31,22 +31,6 @@ constexpr double MOST_ROOMS = 64.0;
 /// No barrier becomes stiffer than so many times what was chosen from the scene: beyond, Newton only gets stuck.
 constexpr double MOST_STIFFENING = 65536.0;
 constexpr std::size_t GRAIN = 2048;
-
-class Stopwatch {
-public:
-  explicit Stopwatch(double& milliseconds)
-      : m_milliseconds(milliseconds)
-      , m_start(std::chrono::steady_clock::now()) {}
-  ~Stopwatch() {
-    m_milliseconds += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - m_start).count();
-  }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
-private:
-  double& m_milliseconds;
-  std::chrono::steady_clock::time_point m_start;
-};
 
 /// The triangles of a body by its nodes, near to each other in memory where they are near in space.
 std::vector<contact::Surface::Triangle> surface_of(const FemBody& body, const OrderedMesh& ordered) {

@@ -56,6 +56,7 @@ public:
   StateArchive archive() const override;
   Status restore(const StateArchive& archive) override;
   SolverChoice solver_choice() const override { return m_linear.choice; }
+  double newton_tolerance(double dt) const override;
   std::size_t dof_count() const override { return m_scene.model.layout.dof_count(); }
   std::size_t memory_bytes() const override;
 
@@ -63,7 +64,6 @@ private:
   void make_terms();
   void hold_nodes(double time);
   void turn_ahead(const Points& increments);
-  double tolerance(double dt) const;
   double friction_momentum(const Stage& stage, const Trial& trial) const;
   NewtonReport attempt(double dt, double end);
   NewtonReport solve(const PlannedStage& planned, Trial& trial);
@@ -159,9 +159,7 @@ void Simulation::hold_nodes(double time) {
   m_contact.ignored = m_boundary.immovable();
 }
 
-/// The plan's tolerance, which is a momentum, unless that is more than a thousandth of what gravity gives the bodies in
-/// a step (and more than moves them by a hundred-thousandth of their size): tiny bodies would not move at all.
-double Simulation::tolerance(double dt) const {
+double Simulation::newton_tolerance(double dt) const {
   const Vec3 extent = m_scene.start_positions.colwise().maxCoeff() - m_scene.start_positions.colwise().minCoeff();
   const double speed = std::max(1e-3 * m_plan.gravity.norm() * dt, 1e-5 * extent.norm() / dt);
   double squares = 0.0;
@@ -191,7 +189,7 @@ void Simulation::turn_ahead(const Points& increments) {
 
 NewtonReport Simulation::solve(const PlannedStage& planned, Trial& trial) {
   const Stage& stage = planned.stage;
-  const NewtonSettings settings{tolerance(stage.dt), m_plan.settings.max_newton_iterations,
+  const NewtonSettings settings{newton_tolerance(stage.dt), m_plan.settings.max_newton_iterations,
                                 m_plan.settings.linear_tolerance};
   NewtonProblem problem{m_scene.model,
                         m_terms,

@@ -64,6 +64,10 @@ public:
   virtual Status restore(const StateArchive& archive) = 0;
 
   virtual SolverChoice solver_choice() const = 0;
+  /// The residual to which steps of `dt` are solved [N s]: the plan's tolerance, unless that is more than a thousandth
+  /// of what gravity gives the bodies in a step (and more than moves them by a hundred-thousandth of their size): tiny
+  /// bodies would not move at all.
+  virtual double newton_tolerance(double dt) const = 0;
   virtual std::size_t dof_count() const = 0;
   virtual std::size_t memory_bytes() const = 0; ///< estimate of what the arrays and factors need [B]
 };

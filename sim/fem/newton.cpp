@@ -1,9 +1,9 @@
 #include "sim/fem/newton.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
+#include "sim/base/stopwatch.h"
 #include "sim/fem/incremental_potential.h"
 #include "sim/fem/rotation_update.h"
 
@@ -33,22 +33,6 @@ constexpr double STIFF_ENERGY_NOISE = 1e-9;
 constexpr double STIFF_PROGRESS = 0.25;
 /// A residual that no longer falls is taken for converged below this multiple of the round-off estimate.
 constexpr double FLOOR_MARGIN = 32.0;
-
-class Stopwatch {
-public:
-  explicit Stopwatch(double& milliseconds)
-      : m_milliseconds(milliseconds)
-      , m_start(std::chrono::steady_clock::now()) {}
-  ~Stopwatch() {
-    m_milliseconds += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - m_start).count();
-  }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
-private:
-  double& m_milliseconds;
-  std::chrono::steady_clock::time_point m_start;
-};
 
 class Minimiser {
 public:

@@ -16,23 +16,19 @@
 #include "sim/mpm/grains/grain_followers.h"
 #include "sim/mpm/kernels/transfer_table.h"
 #include "sim/mpm/mpm_state.h"
+#include "sim/mpm/particle_blocks.h"
 #include "sim/mpm/semi_implicit.h"
+#include "sim/mpm/totals.h"
+#include "sim/mpm/transfer_run.h"
 
 namespace wry::mpm {
 
 namespace {
 
-constexpr int COLOURS = 8;
-
 using Clock = std::chrono::steady_clock;
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-/// Blocks of one colour are two apart along every axis, so that their halos share no node.
-int colour_of(const BlockCoord& coord) {
-  return static_cast<int>((coord.x & 1) | (coord.y & 1) << 1 | (coord.z & 1) << 2);
 }
 
 /// Where the blocks around an occupied one are in `values`.
@@ -69,7 +65,7 @@ public:
   double time() const override { return m_state.time; }
   std::size_t particle_count() const override;
   StepBound bound() const override;
-  Totals totals() const override;
+  Totals totals() const override { return sum_totals(m_plan, m_bodies, m_state); }
   SceneStatic scene_static() const override;
   Frame snapshot(int number) const override;
   std::vector<GrainUpdate> take_fields() override { return m_grains->take_fields(); }
@@ -87,7 +83,9 @@ private:
   Result<bool> emit();
   Status sort();
   void make_blocks();
-  TransferRun<Scalar> transfer_run(std::size_t body, const BlockRun& run, double dt);
+  TransferRun<Scalar> run_of(std::size_t body, const BlockRun& run, double dt) {
+    return transfer_run(m_bodies[body], m_state.sets[body].particles, run, m_plan.settings.cell, dt);
+  }
   void scatter(double force_dt, Scalar* values);
   void update_grid(double dt);
   SolveReport solve_semi_implicit(double dt);
@@ -100,11 +98,6 @@ private:
   Error lost_particle(const BlockReport& report, double dt) const;
   double stiffest_speed() const;
 
-  /// The runs of one occupied block.
-  struct BlockRuns {
-    std::vector<std::pair<std::size_t, std::size_t>> runs; ///< body, run of its set
-  };
-
   MpmPlan m_plan;
   Threads m_threads;
   Isa m_isa;
@@ -116,8 +109,7 @@ private:
   SemiImplicitSolver<Scalar> m_implicit;       ///< of semi-implicit steps
   std::vector<AlignedVector<Scalar>> m_frozen; ///< per body: what its tangent kernel has frozen
   std::optional<GrainFollowers> m_grains;      ///< once there are particles
-  std::vector<BlockRuns> m_blocks;             ///< per occupied block
-  std::array<std::vector<std::int32_t>, COLOURS> m_colours;
+  ParticleBlocks m_blocks;
 };
 
 template <class Scalar> Status Simulation<Scalar>::initialise() {
@@ -182,16 +174,7 @@ template <class Scalar> Status Simulation<Scalar>::sort() {
 template <class Scalar> void Simulation<Scalar>::make_blocks() {
   const std::vector<BlockCoord> occupied = occupied_blocks<Scalar>(m_state.sets);
   m_grid.build(occupied);
-  m_blocks.assign(occupied.size(), {});
-  for (std::size_t body = 0; body < m_state.sets.size(); ++body) {
-    const std::vector<BlockRun>& runs = m_state.sets[body].runs;
-    for (std::size_t i = 0; i < runs.size(); ++i)
-      m_blocks[static_cast<std::size_t>(runs[i].block)].runs.emplace_back(body, i);
-  }
-  for (std::vector<std::int32_t>& colour : m_colours)
-    colour.clear();
-  for (std::size_t i = 0; i < occupied.size(); ++i)
-    m_colours[static_cast<std::size_t>(colour_of(occupied[i]))].push_back(static_cast<std::int32_t>(i));
+  m_blocks.build(m_state.sets, occupied);
 }
 
 template <class Scalar> std::size_t Simulation<Scalar>::particle_count() const {
@@ -224,41 +207,18 @@ template <class Scalar> StepBound Simulation<Scalar>::bound() const {
   return stable_step(facts);
 }
 
-template <class Scalar>
-TransferRun<Scalar> Simulation<Scalar>::transfer_run(std::size_t body, const BlockRun& run, double dt) {
-  ParticleSet<Scalar>& particles = m_state.sets[body].particles;
-  const std::size_t tile = static_cast<std::size_t>(run.first_tile);
-  TransferRun<Scalar> transfer;
-  transfer.count = run.count;
-  transfer.dt = static_cast<Scalar>(dt);
-  transfer.cell = static_cast<Scalar>(m_plan.settings.cell);
-  transfer.mass = m_bodies[body].mass;
-  transfer.volume = m_bodies[body].volume;
-  transfer.position = particles.tile(Channel::position, tile);
-  transfer.velocity = particles.tile(Channel::velocity, tile);
-  transfer.affine = particles.tile(Channel::affine, tile);
-  transfer.material = &m_bodies[body].constants;
-  transfer.update = m_bodies[body].kernels.update;
-  transfer.tiles.dt = static_cast<Scalar>(dt);
-  transfer.tiles.deformation = particles.tile(Channel::deformation, tile);
-  transfer.tiles.stress = particles.tile(Channel::stress, tile);
-  for (int i = static_cast<int>(LAST_BASE_CHANNEL) + 1; i < CHANNEL_COUNT; ++i)
-    transfer.tiles.state[i] = particles.tile(static_cast<Channel>(i), tile);
-  return transfer;
-}
-
 /// Fills all blocks of `values` with momentum, after so long of the internal forces, and mass.
 template <class Scalar> void Simulation<Scalar>::scatter(double force_dt, Scalar* values) {
   m_threads.for_chunks(m_grid.block_count(), 64, [&](std::size_t begin, std::size_t end) {
     std::fill(values + begin * BLOCK_VALUES, values + end * BLOCK_VALUES, Scalar(0));
   });
   const ScatterKernel<Scalar> kernel = m_transfers.scatter[static_cast<int>(m_plan.settings.transfer)];
-  for (const std::vector<std::int32_t>& colour : m_colours) {
+  for (const std::vector<std::int32_t>& colour : m_blocks.colours()) {
     m_threads.for_each(colour.size(), 1, [&](std::size_t i) {
       const std::size_t block = static_cast<std::size_t>(colour[i]);
       alignas(64) Scalar halo[HALO_VALUES] = {};
-      for (const auto& [body, run] : m_blocks[block].runs)
-        kernel(transfer_run(body, m_state.sets[body].runs[run], force_dt), halo);
+      for (const auto& [body, run] : m_blocks.runs(block))
+        kernel(run_of(body, m_state.sets[body].runs[run], force_dt), halo);
       m_transfers.add_halo(halo, blocks_around(m_grid, block, values).data());
     });
   }
@@ -294,7 +254,7 @@ template <class Scalar> void Simulation<Scalar>::freeze_tangents() {
     const std::vector<BlockRun>& runs = m_state.sets[body].runs;
     m_frozen[body].resize(m_state.sets[body].particles.tiles() * per_tile);
     m_threads.for_each(runs.size(), 1, [&](std::size_t i) {
-      ConstitutiveTiles<Scalar> tiles = transfer_run(body, runs[i], 0.0).tiles;
+      ConstitutiveTiles<Scalar> tiles = run_of(body, runs[i], 0.0).tiles;
       tiles.count = static_cast<int>((static_cast<std::size_t>(runs[i].count) + WIDTH - 1) / WIDTH);
       tangent.freeze(m_bodies[body].constants, tiles,
                      m_frozen[body].data() + static_cast<std::size_t>(runs[i].first_tile) * per_tile);
@@ -309,16 +269,16 @@ template <class Scalar> void Simulation<Scalar>::apply_stiffness(const Scalar* v
   });
   const StiffnessKernel<Scalar> kernel =
       stiffness_kernels<Scalar>(m_isa).apply[static_cast<int>(m_plan.settings.transfer)];
-  for (const std::vector<std::int32_t>& colour : m_colours) {
+  for (const std::vector<std::int32_t>& colour : m_blocks.colours()) {
     m_threads.for_each(colour.size(), 1, [&](std::size_t i) {
       const std::size_t block = static_cast<std::size_t>(colour[i]);
       alignas(64) Scalar from[HALO_VALUES];
       alignas(64) Scalar to[HALO_VALUES] = {};
       m_transfers.read_halo(blocks_around(m_grid, block, velocities).data(), from);
       std::fill(from + HALO_VALUES - NODE_VALUES, from + HALO_VALUES, Scalar(0));
-      for (const auto& [body, index] : m_blocks[block].runs) {
+      for (const auto& [body, index] : m_blocks.runs(block)) {
         const BlockRun& run = m_state.sets[body].runs[index];
-        TransferRun<Scalar> transfer = transfer_run(body, run, 0.0);
+        TransferRun<Scalar> transfer = run_of(body, run, 0.0);
         transfer.tangent = &m_bodies[body].kernels.tangent;
         transfer.frozen = m_frozen[body].data() + static_cast<std::size_t>(run.first_tile) * WIDTH *
                                                       static_cast<std::size_t>(transfer.tangent->components);
@@ -382,10 +342,10 @@ template <class Scalar> BlockReport Simulation<Scalar>::gather_block(std::size_t
   BlockReport report;
   std::vector<NearWall> walls;
   m_boundaries.walls_near(
-      m_state.sets[m_blocks[block].runs.front().first].runs[m_blocks[block].runs.front().second].coord, walls);
-  for (const auto& [body, index] : m_blocks[block].runs) {
+      m_state.sets[m_blocks.runs(block).front().first].runs[m_blocks.runs(block).front().second].coord, walls);
+  for (const auto& [body, index] : m_blocks.runs(block)) {
     const BlockRun& run = m_state.sets[body].runs[index];
-    const GatherReport one = kernel(transfer_run(body, run, dt), halo);
+    const GatherReport one = kernel(run_of(body, run, dt), halo);
     if (!walls.empty())
       report.sums.strayed |= keep_out_of_walls(body, run, walls);
     report.sums.max_speed_squared = std::max(report.sums.max_speed_squared, one.max_speed_squared);
@@ -417,7 +377,7 @@ template <class Scalar> Status Simulation<Scalar>::gather(double dt, StepStats& 
     total.sums.max_gradient_squared = std::max(total.sums.max_gradient_squared, report.sums.max_gradient_squared);
     total.sums.strayed = total.sums.strayed || report.sums.strayed;
     total.kinetic_energy += report.kinetic_energy;
-    for (const auto& [body, run] : m_blocks[block].runs)
+    for (const auto& [body, run] : m_blocks.runs(block))
       factor[body] = std::max(factor[body], report.sums.material.stiffness_factor);
   }
   m_state.stiffness_factor = factor;
@@ -505,43 +465,6 @@ template <class Scalar> Result<StepStats> Simulation<Scalar>::step(double end) {
   stats.gather_ms = std::chrono::duration<double, std::milli>(before_grains - before_gather).count();
   stats.total_ms = ms_since(start);
   return stats;
-}
-
-template <class Scalar> Totals Simulation<Scalar>::totals() const {
-  Totals sum;
-  const double cell = m_plan.settings.cell;
-  for (std::size_t b = 0; b < m_bodies.size(); ++b) {
-    const ParticleSet<Scalar>& particles = m_state.sets[b].particles;
-    const double mass = m_bodies[b].mass;
-    AlignedVector<Scalar> energy;
-    for (const BlockRun& run : m_state.sets[b].runs) {
-      const int tiles = static_cast<int>((static_cast<std::size_t>(run.count) + WIDTH - 1) / WIDTH);
-      TransferRun<Scalar> transfer = const_cast<Simulation*>(this)->transfer_run(b, run, 0.0);
-      transfer.tiles.count = tiles;
-      energy.assign(static_cast<std::size_t>(tiles) * WIDTH, Scalar(0));
-      m_bodies[b].kernels.energy(m_bodies[b].constants, transfer.tiles, energy.data());
-      for (std::size_t i = 0; i < static_cast<std::size_t>(run.count); ++i) {
-        const std::size_t place = static_cast<std::size_t>(run.first_tile) * WIDTH + i;
-        const Vec3 x = world_position(particles, run, place, cell);
-        Vec3 v;
-        Mat3 affine;
-        for (int c = 0; c < 3; ++c) {
-          v[c] = particles.at(Channel::velocity, place, c);
-          for (int a = 0; a < 3; ++a)
-            affine(c, a) = particles.at(Channel::affine, place, c * 3 + a);
-        }
-        const double inertia = mass * cell * cell / 4.0;
-        sum.mass += mass;
-        sum.momentum += mass * v;
-        const Mat3 skew = affine - affine.transpose();
-        sum.angular_momentum += mass * x.cross(v) + inertia * Vec3(skew(2, 1), skew(0, 2), skew(1, 0));
-        sum.kinetic_energy += 0.5 * mass * v.squaredNorm() + 0.5 * inertia * affine.squaredNorm();
-        sum.gravity_energy -= mass * x.dot(m_plan.gravity);
-        sum.elastic_energy += static_cast<double>(m_bodies[b].volume) * static_cast<double>(energy[i]);
-      }
-    }
-  }
-  return sum;
 }
 
 template <class Scalar> SceneStatic Simulation<Scalar>::scene_static() const {

@@ -17,7 +17,6 @@ template <class Scalar> struct BodyState {
   MaterialKernels<Scalar> kernels;
   Scalar mass = 0;   ///< of a particle [kg]
   Scalar volume = 0; ///< of a particle at rest [m^3]
-  double stiffness_factor = 1.0;
 };
 
 /// All that changes. sets[b] are the particles of plan.bodies[b].

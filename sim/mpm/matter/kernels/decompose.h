@@ -63,9 +63,10 @@ template <class P> struct Eigen3 {
   Mat<P> axes; ///< columns
 };
 
-/// Annihilates the off-diagonal r between the diagonals a and b; p and q are the entries to the third axis.
-template <class P> WRY_INLINE bool annihilate(P& a, P& b, P& r, P& p, P& q, Vec<P>& n_p, Vec<P>& n_q, P least) {
-  const MaskOf<P> skip = !(magnitude(r) > least);
+/// Annihilates the off-diagonal r between the diagonals a and b where it is not skipped; p and q are the entries to the
+/// third axis, n_p and n_q the axes so far. Returns whether any lane moved.
+template <class P>
+WRY_INLINE bool annihilate(P& a, P& b, P& r, P& p, P& q, Vec<P>& n_p, Vec<P>& n_q, const MaskOf<P>& skip) {
   const Givens<P> g = givens(b - a, r, skip);
   a = a - g.t * r;
   b = b + g.t * r;
@@ -86,10 +87,11 @@ template <class P> WRY_INLINE Eigen3<P> symmetric_eigen(Sym<P> s) {
   constexpr ScalarOf<P> EPSILON = LaneTraits<P>::EPSILON / 4;
   const P least = EPSILON * (magnitude(s.xx) + magnitude(s.yy) + magnitude(s.zz) + magnitude(s.yz) + magnitude(s.zx) +
                              magnitude(s.xy));
+  const auto is_small = [&](const P& entry) { return MaskOf<P>(!(magnitude(entry) > least)); };
   for (int sweep = 0; sweep < 12; ++sweep) {
-    bool moved = annihilate(s.xx, s.yy, s.xy, s.zx, s.yz, N.r0, N.r1, least);
-    moved |= annihilate(s.xx, s.zz, s.zx, s.xy, s.yz, N.r0, N.r2, least);
-    moved |= annihilate(s.yy, s.zz, s.yz, s.xy, s.zx, N.r1, N.r2, least);
+    bool moved = annihilate(s.xx, s.yy, s.xy, s.zx, s.yz, N.r0, N.r1, is_small(s.xy));
+    moved |= annihilate(s.xx, s.zz, s.zx, s.xy, s.yz, N.r0, N.r2, is_small(s.zx));
+    moved |= annihilate(s.yy, s.zz, s.yz, s.xy, s.zx, N.r1, N.r2, is_small(s.yz));
     if (!moved)
       break;
   }

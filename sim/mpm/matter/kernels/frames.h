@@ -23,17 +23,7 @@ template <class P> WRY_INLINE bool turn_pair(P& a, P& b, P& r, P& p, P& q, Vec<P
   constexpr ScalarOf<P> GAP = static_cast<ScalarOf<P>>(1e-3), TINY = LaneTraits<P>::EPSILON / 16;
   const P twice = r + r, d = a - b;
   const MaskOf<P> skip = (d * d + twice * twice < GAP * GAP) | (magnitude(r) < TINY);
-  const Givens<P> g = givens(b - a, r, skip);
-  a = a - g.t * r;
-  b = b + g.t * r;
-  r = skip ? r : P{};
-  const P p_next = g.c * p - g.s * q;
-  q = g.s * p + g.c * q;
-  p = p_next;
-  const Vec<P> n_next = g.c * n_p - g.s * n_q;
-  n_q = g.s * n_p + g.c * n_q;
-  n_p = n_next;
-  return any_lane(!skip);
+  return annihilate(a, b, r, p, q, n_p, n_q, skip);
 }
 
 /// Evolves the second moment of the grains by the flow and turns the frame so that it stays diagonal. `Q` is the frame
