@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,13 @@ struct StressStudy {
   std::size_t base = 0; ///< the shot as it is
 };
 
-/// Every value of every knob alone, and (with pairs) the two ends of every two knobs together.
-StressStudy plan_stress_study(const shots::StressSection& section, const shots::Shot& shot);
+/// Whether the shot can be read with this value of a key (TOML).
+using AcceptsValue = std::function<bool(const std::string& key, const std::string& value)>;
+
+/// Every value of every knob alone, and (with pairs) the two outermost values of every two knobs together, of those
+/// that the shot `accepts`.
+StressStudy plan_stress_study(const shots::StressSection& section, const shots::Shot& shot,
+                              const AcceptsValue& accepts);
 
 /// The knobs of a shot, those that tell most first.
 struct ShotKnobs {

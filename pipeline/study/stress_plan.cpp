@@ -39,6 +39,18 @@ void add_case(StressStudy& study, StressCase one) {
   study.cases.push_back(std::move(one));
 }
 
+/// The outermost values of a knob that the shot takes by themselves: what is refused alone tells nothing of a pair.
+std::vector<std::size_t> ends_of(const shots::Ladder& knob, const AcceptsValue& accepts) {
+  std::vector<std::size_t> taken;
+  for (std::size_t v = 0; v < knob.values.size(); ++v) {
+    if (accepts(knob.key, knob.values[v]))
+      taken.push_back(v);
+  }
+  if (taken.size() > 2)
+    taken = {taken.front(), taken.back()};
+  return taken;
+}
+
 } // namespace
 
 std::string value_label(const shots::Ladder& knob, std::size_t value) {
@@ -48,7 +60,8 @@ std::string value_label(const shots::Ladder& knob, std::size_t value) {
   return std::isfinite(number) ? fmt::format("{:.5g}", number) : plain_value(knob.values[value]);
 }
 
-StressStudy plan_stress_study(const shots::StressSection& section, const shots::Shot& shot) {
+StressStudy plan_stress_study(const shots::StressSection& section, const shots::Shot& shot,
+                              const AcceptsValue& accepts) {
   StressStudy study;
   std::size_t paired = 0;
   if (section.knobs.empty()) {
@@ -64,10 +77,15 @@ StressStudy plan_stress_study(const shots::StressSection& section, const shots::
     for (std::size_t v = 0; v < study.knobs[k].values.size(); ++v)
       add_case(study, {{k}, {v}, 0});
   }
-  for (std::size_t a = 0; section.pairs && a < paired; ++a) {
+  if (!section.pairs)
+    return study;
+  std::vector<std::vector<std::size_t>> ends;
+  for (std::size_t k = 0; k < paired; ++k)
+    ends.push_back(ends_of(study.knobs[k], accepts));
+  for (std::size_t a = 0; a < paired; ++a) {
     for (std::size_t b = a + 1; b < paired; ++b) {
-      for (const std::size_t i : {std::size_t{0}, study.knobs[a].values.size() - 1}) {
-        for (const std::size_t j : {std::size_t{0}, study.knobs[b].values.size() - 1})
+      for (const std::size_t i : ends[a]) {
+        for (const std::size_t j : ends[b])
           add_case(study, {{a, b}, {i, j}, 0});
       }
     }

@@ -215,13 +215,27 @@ TEST(Accuracy, LaddersHaveFinerReferencesAndRungsAreShared) {
 }
 
 TEST(Stress, PairsAreTheEndsOfEveryTwoKnobs) {
+  const auto any = [](const std::string&, const std::string&) { return true; };
   shots::StressSection section;
   section.knobs = {{"a.x", {}, {"1", "2", "3"}}, {"b.y", {}, {"4", "5"}}, {"c.z", {}, {"6", "7"}}};
-  const StressStudy study = plan_stress_study(section, {});
+  const StressStudy study = plan_stress_study(section, {}, any);
   EXPECT_EQ(study.cases.size(), 3u + 2u + 2u + 3u * 4u);
   EXPECT_EQ(study.variants.size(), 1u + study.cases.size());
   section.pairs = false;
-  EXPECT_EQ(plan_stress_study(section, {}).cases.size(), 7u);
+  EXPECT_EQ(plan_stress_study(section, {}, any).cases.size(), 7u);
+}
+
+TEST(Stress, PairsLeaveOutWhatIsRefusedAlone) {
+  shots::StressSection section;
+  section.knobs = {{"a.x", {}, {"1", "2", "3"}}, {"b.y", {}, {"4", "5"}}};
+  const auto accepts = [](const std::string& key, const std::string& value) {
+    return !(key == "a.x" && value == "3") && !(key == "b.y" && value == "4");
+  };
+  const StressStudy study = plan_stress_study(section, {}, accepts);
+  ASSERT_EQ(study.cases.size(), 5u + 2u) << "alone they are run, to be refused";
+  for (std::size_t c = 5; c < study.cases.size(); ++c) {
+    EXPECT_THAT(study.cases[c].values, ::testing::ElementsAre(c - 5, 1u));
+  }
 }
 
 std::vector<std::string> knob_keys(const std::string& name) {

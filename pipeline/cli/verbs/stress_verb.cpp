@@ -59,7 +59,11 @@ Status stress_verb(const Invocation& invocation) {
   const Result<shots::StressSection> section = shots::read_stress(*document);
   if (!section)
     return section.error();
-  StressStudy plan = plan_stress_study(*section, session->shot);
+  const AcceptsValue accepts = [&](const std::string& key, const std::string& value) {
+    const Result<shots::ShotDocument> turned = shots::apply_overrides(*document, {{key, value, {}}});
+    return turned && shots::make_shot(*turned);
+  };
+  StressStudy plan = plan_stress_study(*section, session->shot, accepts);
   StudyRequest request = study_request(*session, invocation);
   request.folder /= "stress";
   request.part = "cases";
