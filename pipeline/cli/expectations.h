@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/run/simulate.h"
+#include "pipeline/run/measure_frames.h"
 #include "shots/shot.h"
 
 namespace wry::pipeline {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "pipeline/cli/shot_session.h"
+#include "pipeline/run/measure_frames.h"
 #include "pipeline/run/render_frames.h"
 #include "pipeline/run/simulate.h"
 

@@ -8,7 +8,6 @@
 #include "pipeline/run/resources.h"
 #include "pipeline/run/step_columns.h"
 #include "sim/base/isa.h"
-#include "sim/base/parallel.h"
 
 namespace wry::pipeline {
 
@@ -39,13 +38,5 @@ struct SimulateOutcome {
 /// there is does not start (see require_resources). Errors: stopped (a checkpoint was written), solver, cannot_write,
 /// io, out_of_memory; the last good frame is then kept.
 Result<SimulateOutcome> simulate(const shots::Shot& shot, const ScenePlan& plan, const SimulateOptions& options);
-
-/// measure.csv from the cached frames, all of them: a row per frame, a column per measure. Returns the values by row.
-struct MeasureTable {
-  std::vector<int> frames;
-  std::vector<std::string> names;
-  std::vector<std::vector<double>> rows;
-};
-Result<MeasureTable> measure_frames(const ScenePlan& plan, const std::filesystem::path& out, const Threads& threads);
 
 } // namespace wry::pipeline
