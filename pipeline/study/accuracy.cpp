@@ -39,7 +39,7 @@ Result<std::string> finer_value(const shots::Ladder& ladder, double factor) {
 
 } // namespace
 
-Result<AccuracyStudy> plan_accuracy_study(const shots::AccuracySection& section) {
+Result<AccuracyStudy> plan_accuracy_study(const shots::AccuracySection& section, const HasValue& has) {
   AccuracyStudy study;
   study.base = add_variant(study.variants, make_variant("the shot as it is", {}));
   std::vector<Parameter> common;
@@ -49,8 +49,11 @@ Result<AccuracyStudy> plan_accuracy_study(const shots::AccuracySection& section)
     const shots::Ladder& ladder = section.ladders[l];
     for (std::size_t step = 0; step < ladder.values.size(); ++step) {
       const std::string& value = ladder.values[step];
-      const std::size_t row = add_variant(
-          study.variants, make_variant(fmt::format("{} = {}", ladder.key, plain_value(value)), {{ladder.key, value}}));
+      const std::size_t row =
+          has(ladder.key, value)
+              ? study.base
+              : add_variant(study.variants, make_variant(fmt::format("{} = {}", ladder.key, plain_value(value)),
+                                                         {{ladder.key, value}}));
       study.rungs.push_back({l, step, number_of(value), false, row});
     }
     if (!section.exact.empty() && section.reference.empty())

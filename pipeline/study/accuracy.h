@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -29,8 +30,12 @@ struct AccuracyStudy {
   std::size_t base = 0; ///< the shot as it is
 };
 
-/// Errors: bad_input for a ladder whose reference cannot be made finer by a factor (words, or one value).
-Result<AccuracyStudy> plan_accuracy_study(const shots::AccuracySection& section);
+/// Whether the shot has this value of a key (TOML) anyway.
+using HasValue = std::function<bool(const std::string& key, const std::string& value)>;
+
+/// A rung at the value that the shot `has` is the shot as it is. Errors: bad_input for a ladder whose reference cannot
+/// be made finer by a factor (words, or one value).
+Result<AccuracyStudy> plan_accuracy_study(const shots::AccuracySection& section, const HasValue& has);
 
 struct JudgedRung {
   Rung rung;

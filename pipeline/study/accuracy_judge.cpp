@@ -81,10 +81,17 @@ private:
     return found == m_plan.rungs.end() ? nullptr : &*found;
   }
 
+  std::string name_of(const Rung& rung) const {
+    if (rung.row != m_plan.base)
+      return m_rows[rung.row].variant.name;
+    const shots::Ladder& ladder = m_section.ladders[rung.ladder];
+    return fmt::format("{} = {}, as it is", ladder.key, plain_value(ladder.values[rung.step]));
+  }
+
   JudgedRung judged(const Rung& rung) const {
     const StudyRow& row = m_rows[rung.row];
     JudgedRung result{rung,
-                      row.variant.name,
+                      name_of(rung),
                       std::string(outcome_name(row.outcome)),
                       row.cpu_seconds,
                       row.wall_seconds,
@@ -189,6 +196,22 @@ private:
       advise(rungs);
   }
 
+  /// What the shot as it is takes and errs by, beside the rung that is recommended.
+  void compare_with_base(const JudgedRung& best, const std::vector<std::size_t>& rungs, double noise) {
+    const StudyRow& base = m_rows[m_plan.base];
+    if (best.rung.row == m_plan.base || base.outcome != StudyOutcome::done || !(best.cpu_seconds > 0.0))
+      return;
+    const double ratio = base.cpu_seconds / best.cpu_seconds;
+    std::string words = fmt::format("the shot as it is takes {:.3g} s, ", base.cpu_seconds);
+    words += std::abs(ratio - 1.0) <= noise ? std::string("as long within what timings vary by")
+                                            : fmt::format("{:.2g} times as long", ratio);
+    const auto own = std::find_if(rungs.begin(), rungs.end(),
+                                  [&](std::size_t i) { return m_report.rungs[i].rung.row == m_plan.base; });
+    if (own != rungs.end() && std::isfinite(m_report.rungs[*own].errors.front().error))
+      words += fmt::format(" (error {:.2g} %)", 100.0 * m_report.rungs[*own].errors.front().error);
+    m_report.advice.push_back(words);
+  }
+
   void advise(const std::vector<std::size_t>& rungs) {
     std::vector<double> times(m_report.rungs.size(), NAN_VALUE), errors(m_report.rungs.size(), NAN_VALUE);
     const double noise = timing_noise();
@@ -213,10 +236,7 @@ private:
     m_report.advice.push_back(fmt::format("for {:g} % of {}: {}, {:.3g} s of CPU (error {:.2g} %)",
                                           100.0 * m_section.tolerance, quantity, best.name, best.cpu_seconds,
                                           100.0 * errors[*good]));
-    const StudyRow& base = m_rows[m_plan.base];
-    if (base.outcome == StudyOutcome::done && best.cpu_seconds > 0.0)
-      m_report.advice.push_back(fmt::format("the shot as it is takes {:.3g} s, {:.2g} times as much", base.cpu_seconds,
-                                            base.cpu_seconds / best.cpu_seconds));
+    compare_with_base(best, rungs, noise);
     for (std::size_t i = 0; i < times.size(); ++i) {
       const bool close = i != *good && errors[i] <= m_section.tolerance && times[i] < times[*good] * (1.0 + noise);
       if (close)

@@ -196,9 +196,10 @@ TEST(Accuracy, TheFrontHasWhatNoOtherBeats) {
 }
 
 TEST(Accuracy, LaddersHaveFinerReferencesAndRungsAreShared) {
+  const auto none = [](const std::string&, const std::string&) { return false; };
   shots::AccuracySection section;
   section.ladders = {{"fem.time_step", {}, {"0.04", "0.02"}}, {"body.bar.cells", {}, {"4", "8"}}};
-  const Result<AccuracyStudy> study = plan_accuracy_study(section);
+  const Result<AccuracyStudy> study = plan_accuracy_study(section, none);
   ASSERT_TRUE(study.ok()) << study.error().message;
   std::vector<std::string> references;
   for (const Rung& rung : study->rungs) {
@@ -207,11 +208,23 @@ TEST(Accuracy, LaddersHaveFinerReferencesAndRungsAreShared) {
   }
   EXPECT_THAT(references, ElementsAre("0.005", "32")) << "smaller steps, more cells: the way each ladder goes";
   section.reference = {{"fem.time_step", "0.02", {}}};
-  const Result<AccuracyStudy> shared = plan_accuracy_study(section);
+  const Result<AccuracyStudy> shared = plan_accuracy_study(section, none);
   EXPECT_EQ(shared->variants.size(), 5u) << "the reference is a rung that is there already, and is run once";
   section.reference.clear();
   section.ladders = {{"material.skin.model", {}, {"\"stvk\"", "\"corotated\""}}};
-  EXPECT_FALSE(plan_accuracy_study(section).ok()) << "words have no finer word";
+  EXPECT_FALSE(plan_accuracy_study(section, none).ok()) << "words have no finer word";
+}
+
+TEST(Accuracy, ARungThatTheShotIsAtAnywayIsNotRunAgain) {
+  shots::AccuracySection section;
+  section.ladders = {{"fem.time_step", {}, {"0.04", "0.02"}}};
+  const Result<AccuracyStudy> study =
+      plan_accuracy_study(section, [](const std::string& key, const std::string& value) {
+        return key == "fem.time_step" && value == "0.02";
+      });
+  ASSERT_TRUE(study.ok()) << study.error().message;
+  EXPECT_EQ(study->variants.size(), 3u) << "the shot, the coarser step, the reference";
+  EXPECT_EQ(study->rungs.at(1).row, study->base);
 }
 
 TEST(Stress, PairsAreTheEndsOfEveryTwoKnobs) {

@@ -13,6 +13,7 @@
 #include "pipeline/study/study_jobs.h"
 #include "pipeline/study/study_table.h"
 #include "shots/ladders.h"
+#include "shots/resolved.h"
 
 namespace wry::pipeline {
 
@@ -166,9 +167,9 @@ void remove_repeats(const StudyRequest& request, const std::vector<StudyRow>& ro
 
 /// Draws the frames of `base` once for each rung, and judges the pictures. Nothing where only the list is asked for.
 Result<std::optional<JudgedStudy>> judge_pictures(StudyRequest request, const shots::AccuracySection& section,
-                                                  const std::filesystem::path& base, const Invocation& invocation,
-                                                  std::string& failures) {
-  Result<AccuracyStudy> plan = plan_accuracy_study(section);
+                                                  const HasValue& has, const std::filesystem::path& base,
+                                                  const Invocation& invocation, std::string& failures) {
+  Result<AccuracyStudy> plan = plan_accuracy_study(section, has);
   if (!plan)
     return plan.error();
   request.part = "pictures";
@@ -194,7 +195,16 @@ Status accuracy_verb(const Invocation& invocation) {
   if (!section)
     return section.error();
   const SplitLadders ladders = split_ladders(*section);
-  Result<AccuracyStudy> plan = plan_accuracy_study(ladders.simulated);
+  const Result<shots::ShotDocument> document = open_document(invocation);
+  if (!document)
+    return document.error();
+  const std::vector<shots::FlatKey> own = shots::flatten(session->shot);
+  const HasValue has = [&](const std::string& key, const std::string& value) {
+    const Result<shots::ShotDocument> turned = shots::apply_overrides(*document, {{key, value, {}}});
+    const Result<shots::Shot> shot = turned ? shots::make_shot(*turned) : turned.error();
+    return shot && shots::compare(own, shots::flatten(*shot)).empty();
+  };
+  Result<AccuracyStudy> plan = plan_accuracy_study(ladders.simulated, has);
   if (!plan)
     return plan.error();
   StudyRequest request = study_request(*session, invocation);
@@ -216,7 +226,8 @@ Status accuracy_verb(const Invocation& invocation) {
   if (!ladders.drawn.ladders.empty()) {
     const std::filesystem::path base =
         listed ? request.folder / request.part / plan->variants[plan->base].id() : rows[plan->base].folder;
-    Result<std::optional<JudgedStudy>> pictures = judge_pictures(request, ladders.drawn, base, invocation, failures);
+    Result<std::optional<JudgedStudy>> pictures =
+        judge_pictures(request, ladders.drawn, has, base, invocation, failures);
     if (!pictures)
       return pictures.error();
     if (*pictures)
