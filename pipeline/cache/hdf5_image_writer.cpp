@@ -108,13 +108,16 @@ std::size_t bytes_of(ArrayType type) {
   return type == ArrayType::float64 ? 8 : 4;
 }
 
-/// Rows per chunk so that a chunk has about CHUNK_BYTES; all of a small array.
+/// Rows per chunk so that chunks have CHUNK_BYTES or a little less; all of a small array. Chunks are alike, since the
+/// last one takes as much of the file as the others however few rows it has.
 std::vector<hsize_t> chunk_of(const std::vector<hsize_t>& shape, std::size_t element_bytes) {
   std::vector<hsize_t> chunk = shape;
   hsize_t row_bytes = element_bytes;
   for (std::size_t i = 1; i < shape.size(); ++i)
     row_bytes *= shape[i];
-  chunk[0] = std::clamp<hsize_t>(CHUNK_BYTES / row_bytes, 1, shape[0]);
+  const hsize_t most_rows = std::max<hsize_t>(CHUNK_BYTES / row_bytes, 1);
+  const hsize_t chunks = (shape[0] + most_rows - 1) / most_rows;
+  chunk[0] = (shape[0] + chunks - 1) / chunks;
   return chunk;
 }
 

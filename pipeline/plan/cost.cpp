@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/fem/fem_simulation.h"
 #include "sim/mpm/grains/sub_particles.h"
 #include "sim/mpm/mpm_simulation.h"
 
@@ -18,9 +17,9 @@ namespace {
 constexpr double CLASSIC_SECONDS_PER_TET = 0.2e-6;
 constexpr double MICROPOLAR_SECONDS_PER_TET = 0.6e-6;
 constexpr double CURVATURE_SECONDS_PER_TET = 0.7e-6; // beside the former
-constexpr double NEWTON_PER_STEP = 5.0;
-constexpr double NEWTON_PER_STEP_IN_CONTACT = 12.0;
-constexpr double NEWTON_PER_STEP_WITH_FRICTION = 20.0; // with both passes
+constexpr double NEWTON_PER_STEP = 6.0;
+constexpr double NEWTON_PER_STEP_IN_CONTACT = 9.0;
+constexpr double NEWTON_PER_STEP_WITH_FRICTION = 15.0; // with both passes
 constexpr double CONTACT_SECONDS_PER_TRIANGLE =
     0.5e-6; // of the surface and Newton iteration: search, and limit of the step
 // The second matrix of a step: each element's share of it is projected.
@@ -279,8 +278,7 @@ std::string describe_tolerance(const fem::FemSimulation& simulation, const fem::
   const double own = simulation.newton_tolerance(settings.max_time_step);
   std::string words = fmt::format("until {:.3g} N s are out of balance", own);
   if (own < settings.newton_tolerance)
-    words += fmt::format(": fem.newton_tolerance = {:.3g} is too much for bodies so light",
-                         settings.newton_tolerance);
+    words += fmt::format(": fem.newton_tolerance = {:.3g} is too much for bodies so light", settings.newton_tolerance);
   return words;
 }
 
@@ -296,16 +294,23 @@ Status describe_solver(ScenePlan& plan, Isa isa, int threads) {
   plan.runs.push_back({"Newton's method", describe_tolerance(**simulation, plan.sim.fem.settings)});
   plan.runs.push_back({"linear solver", choice.reason});
   plan.cost.seconds_of_directions = plan.cost.newton_directions * choice.seconds_per_direction;
-  add_cost_of_solver(plan.cost, (*simulation)->memory_bytes());
+  add_cost_of_solver(plan.cost, **simulation);
   return {};
 }
 
-void add_cost_of_solver(CostEstimate& cost, std::uint64_t built) {
-  if (PROGRAM_BYTES + built <= cost.memory_bytes)
+void add_cost_of_solver(CostEstimate& cost, const fem::FemSimulation& built) {
+  if (const std::uint64_t kept = built.solver_bytes_in_checkpoint(); kept > 0) {
+    cost.bytes_per_checkpoint += kept;
+    cost.shares.push_back({fmt::format("the matrix of a factor in {:.0f} checkpoints", cost.checkpoints_kept),
+                           "a smaller fem.keep needs less, and fem.linear_solver = \"pcg\" has no factors", 0,
+                           in_frames(cost.checkpoints_kept, kept)});
+  }
+  const std::uint64_t memory = built.memory_bytes();
+  if (PROGRAM_BYTES + memory <= cost.memory_bytes)
     return;
-  cost.memory_bytes = PROGRAM_BYTES + built;
+  cost.memory_bytes = PROGRAM_BYTES + memory;
   cost.shares.push_back({"matrices, factors and elements",
-                         cost.shares.front().cure + ", and fem.linear_solver = \"pcg\" has no factors", built, 0});
+                         cost.shares.front().cure + ", and fem.linear_solver = \"pcg\" has no factors", memory, 0});
 }
 
 } // namespace wry::pipeline

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pipeline/plan/scene_plan.h"
+#include "sim/fem/fem_simulation.h"
 
 namespace wry::pipeline {
 
@@ -8,9 +9,9 @@ namespace wry::pipeline {
 /// cost is added by describe_solver.
 CostEstimate estimate_cost(const shots::Shot& shot, const ScenePlan& plan);
 
-/// The share of memory and disk that the linear solver adds once it is built: `built` is what the simulation then has.
-/// The estimate of memory becomes at least that.
-void add_cost_of_solver(CostEstimate& cost, std::uint64_t built);
+/// The share of memory and disk that the linear solver adds once the simulation is built. The estimate of memory
+/// becomes at least what that has.
+void add_cost_of_solver(CostEstimate& cost, const fem::FemSimulation& built);
 
 /// What a grid takes on the disk each time that mpm.keep_fields keeps it.
 double bytes_of_fields(const mpm::MpmPlan& plan);

@@ -24,7 +24,9 @@ CostEstimate cost_of_variant(const shots::Shot& shot, ScenePlan& variant, const 
   if (same_systems(own.sim.fem, variant.sim.fem)) {
     variant.cost.seconds_of_directions =
         own.cost.seconds_of_directions * variant.cost.newton_directions / own.cost.newton_directions;
-    variant.cost.memory_bytes += own.cost.memory_bytes - estimate_cost(shot, own).memory_bytes; // of the solver
+    const CostEstimate without_solver = estimate_cost(shot, own);
+    variant.cost.memory_bytes += own.cost.memory_bytes - without_solver.memory_bytes;
+    variant.cost.bytes_per_checkpoint += own.cost.bytes_per_checkpoint - without_solver.bytes_per_checkpoint;
   } else if (Status status = describe_solver(variant, isa, threads); !status)
     variant.cost.seconds_of_directions = own.cost.seconds_of_directions; // what it says is not of this scene
   return variant.cost;

@@ -154,7 +154,7 @@ Status SimulationRun::make_simulations() {
     m_outcome.solver = m_solids->solver_choice().reason;
     // What its factors take is known only now.
     CostEstimate with_solver = m_plan.cost;
-    add_cost_of_solver(with_solver, m_solids->memory_bytes());
+    add_cost_of_solver(with_solver, *m_solids);
     if (Status status = require_room(with_solver); !status)
       return status;
   }

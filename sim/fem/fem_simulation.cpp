@@ -59,6 +59,7 @@ public:
   double newton_tolerance(double dt) const override;
   std::size_t dof_count() const override { return m_scene.model.layout.dof_count(); }
   std::size_t memory_bytes() const override;
+  std::size_t solver_bytes_in_checkpoint() const override { return m_linear.method->saved_bytes(); }
 
 private:
   void make_terms();

@@ -35,7 +35,7 @@ struct StepStats {
 struct SolverChoice {
   LinearSolver solver = LinearSolver::pcg;
   std::string reason;
-  double seconds_per_direction = 0.0; ///< predicted; 0 when the solver was asked for
+  double seconds_per_direction = 0.0; ///< predicted
 };
 
 /// Solids in time: minimises the incremental potential (spec §5) step by step.
@@ -70,6 +70,8 @@ public:
   virtual double newton_tolerance(double dt) const = 0;
   virtual std::size_t dof_count() const = 0;
   virtual std::size_t memory_bytes() const = 0; ///< estimate of what the arrays and factors need [B]
+  /// What the linear solver adds to a checkpoint, where it goes on with an earlier factor [B].
+  virtual std::size_t solver_bytes_in_checkpoint() const = 0;
 };
 
 } // namespace wry::fem

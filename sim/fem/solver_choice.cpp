@@ -65,12 +65,9 @@ Result<ChosenMethod> make(LinearSolver solver, std::string reason, const BlockMa
   return chosen;
 }
 
-} // namespace
+enum class LookAtFactor { no, yes };
 
-Result<ChosenMethod> choose_linear_method(const FemPlan& plan, const FemScene& scene, const BlockMatrix& matrix,
-                                          const Threads& threads) {
-  if (plan.settings.linear_solver != LinearSolver::automatic)
-    return make(plan.settings.linear_solver, "asked for", matrix, threads);
+SolverDemand demand_of(const FemPlan& plan, const FemScene& scene, const BlockMatrix& matrix, LookAtFactor look) {
   SolverDemand demand;
   demand.matrix_entries = matrix.entry_count();
   demand.unknowns = static_cast<double>(scene.model.layout.dof_count());
@@ -79,11 +76,27 @@ Result<ChosenMethod> choose_linear_method(const FemPlan& plan, const FemScene& s
   demand.longest_path = longest_path(plan, scene);
   demand.contacts = plan.contact.has_value();
   demand.factor_available = false;
-  if (scene.model.layout.node_count() <= MOST_NODES_TO_FACTOR) {
+  if (look == LookAtFactor::yes && scene.model.layout.node_count() <= MOST_NODES_TO_FACTOR) {
     const Result<std::unique_ptr<SparseFactor>> factor = SparseFactor::create(matrix);
     demand.factor_available = factor.ok();
     if (factor)
       demand.cost = factor.value()->cost();
+  }
+  return demand;
+}
+
+} // namespace
+
+Result<ChosenMethod> choose_linear_method(const FemPlan& plan, const FemScene& scene, const BlockMatrix& matrix,
+                                          const Threads& threads) {
+  const LinearSolver asked = plan.settings.linear_solver;
+  const SolverDemand demand =
+      demand_of(plan, scene, matrix, asked == LinearSolver::pcg ? LookAtFactor::no : LookAtFactor::yes);
+  if (asked != LinearSolver::automatic) {
+    Result<ChosenMethod> chosen = make(asked, "asked for", matrix, threads);
+    if (chosen)
+      chosen->choice.seconds_per_direction = seconds_per_direction(asked, demand);
+    return chosen;
   }
   SolverDecision decision = choose_solver(demand);
   Result<ChosenMethod> chosen = make(decision.solver, std::move(decision.reason), matrix, threads);

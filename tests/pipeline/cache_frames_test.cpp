@@ -5,6 +5,7 @@
 
 #include "pipeline/cache/checkpoints.h"
 #include "pipeline/cache/frame_cache.h"
+#include "pipeline/cache/frame_format.h"
 #include "tests/pipeline/cache_support.h"
 
 namespace wry::pipeline {
@@ -92,6 +93,19 @@ TEST(FrameCache, StoresFloat32WhereTheChannelSaysSo) {
   ASSERT_FALSE(too_large.ok());
   EXPECT_NE(too_large.error().message.find("float64"), std::string::npos) << too_large.error().message;
   EXPECT_TRUE(cache.has_frame(1)) << "the frame that could not be replaced is still there";
+}
+
+TEST(FrameCache, AnArrayThatIsALittleLongerThanAChunkTakesLittleMoreThanItsValues) {
+  Frame frame;
+  frame.number = 1;
+  FrameBody body;
+  body.name = "bar";
+  body.channels.push_back({"point_rotation", ChannelOn::tet, 16, ChannelStorage::float64, {}});
+  body.channels.back().values.assign(std::size_t{9000} * 16, 0.5); // 1.1 MiB
+  frame.bodies.push_back(body);
+  const Result<std::string> bytes = encode_frame(frame, "a1", Compression::none);
+  ASSERT_TRUE(bytes.ok()) << bytes.error().message;
+  EXPECT_LT(bytes->size(), std::size_t{9000} * 16 * 8 * 105 / 100);
 }
 
 TEST(FrameCache, RefusesChannelsThatAreNoRows) {

@@ -51,6 +51,8 @@ public:
     return {};
   }
   virtual std::size_t memory_bytes() const { return 0; }
+  /// What save() adds to a checkpoint once there is something to be kept [B].
+  virtual std::size_t saved_bytes() const { return 0; }
 };
 
 /// Conjugate gradients, preconditioned by the inverse diagonal blocks; in float where the tolerance allows. After

@@ -48,15 +48,27 @@ double block_jacobi_seconds(double matrix_entries, double unknowns) {
   return matrix_entries / SINGLE_ENTRIES_PER_SECOND + unknowns / VECTOR_UNKNOWNS_PER_SECOND;
 }
 
+double seconds_per_direction(LinearSolver solver, const SolverDemand& demand) {
+  const double more = demand.contacts ? COST_OF_CONTACTS : 1.0;
+  switch (solver) {
+  case LinearSolver::cholesky:
+    return more * (factor_seconds(demand.cost) + factor_solve_seconds(demand.cost));
+  case LinearSolver::stale_cholesky:
+    return more * (STALE_ITERATIONS * iteration_seconds(demand.cost, demand.matrix_entries) +
+                   factor_seconds(demand.cost) / SOLVES_PER_STALE_FACTOR);
+  case LinearSolver::pcg:
+  case LinearSolver::automatic:
+    break;
+  }
+  return expected_iterations(demand) * block_jacobi_seconds(demand.matrix_entries, demand.unknowns);
+}
+
 SolverDecision choose_solver(const SolverDemand& demand) {
-  const double iterations = expected_iterations(demand);
-  const double pcg = iterations * block_jacobi_seconds(demand.matrix_entries, demand.unknowns);
+  const double pcg = seconds_per_direction(LinearSolver::pcg, demand);
   if (!demand.factor_available)
     return {LinearSolver::pcg, fmt::format("{:.0f} unknowns; this build has no direct solver", demand.unknowns), pcg};
-  const double more = demand.contacts ? COST_OF_CONTACTS : 1.0;
-  const double direct = more * (factor_seconds(demand.cost) + factor_solve_seconds(demand.cost));
-  const double stale = more * (STALE_ITERATIONS * iteration_seconds(demand.cost, demand.matrix_entries) +
-                               factor_seconds(demand.cost) / SOLVES_PER_STALE_FACTOR);
+  const double direct = seconds_per_direction(LinearSolver::cholesky, demand);
+  const double stale = seconds_per_direction(LinearSolver::stale_cholesky, demand);
   SolverDecision decision;
   decision.solver = LinearSolver::pcg;
   if (direct < pcg || stale < pcg)
@@ -68,7 +80,7 @@ SolverDecision choose_solver(const SolverDemand& demand) {
   decision.reason =
       fmt::format("{:.0f} unknowns, a wave crosses {:.1f} edges in a step{}: per direction about {:.1f} ms by "
                   "pcg ({:.0f} iterations), {:.1f} ms by a factor ({:.1f} Gflop), {:.1f} ms by a stale one",
-                  demand.unknowns, demand.wave_crossing, turns, 1e3 * pcg, iterations, 1e3 * direct,
+                  demand.unknowns, demand.wave_crossing, turns, 1e3 * pcg, expected_iterations(demand), 1e3 * direct,
                   1e-9 * demand.cost.flops, 1e3 * stale);
   if (demand.contacts)
     decision.reason += "; contacts come and go, which factors do not bear well";

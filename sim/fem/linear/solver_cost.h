@@ -31,6 +31,9 @@ struct SolverDemand {
   bool contacts = false;     ///< bodies may touch each other or themselves: entries of the matrix come and go
 };
 
+/// Predicted time of one Newton direction by a solver [s].
+double seconds_per_direction(LinearSolver solver, const SolverDemand& demand);
+
 /// A solver and the reason in words for `wry plan`.
 struct SolverDecision {
   LinearSolver solver = LinearSolver::pcg;

@@ -78,6 +78,13 @@ public:
     return report;
   }
 
+  std::size_t saved_bytes() const override {
+    std::size_t values = static_cast<std::size_t>(m_matrix.layout().node_count()) * 9;
+    for (const BlockMatrix::Section& section : m_matrix.sections())
+      values += section.values.size();
+    return values * sizeof(double);
+  }
+
   void save(StateArchive& archive) const override {
     archive.push_back({"fem/stale/flags", {2}, {m_factored ? 1.0 : 0.0, m_renew ? 1.0 : 0.0}});
     if (!m_factored)
