@@ -36,6 +36,9 @@ constexpr std::uint64_t MPM_BYTES_PER_PARTICLE_BESIDES = 250;
 // A step of one particle in single precision (bench_mpm_table1), and what it takes more.
 constexpr double MPM_SECONDS_PER_PARTICLE_STEP = 1.4e-7;
 constexpr double DOUBLE_PRECISION = 1.6, OWN_AXES = 1.3, REORIENTING = 1.3, NEAR_MESHES = 1.6;
+// Nodes near a mesh are kept out of it by their distance to it: by the faces of as many cells as the matter fills,
+// taken for a cube (shots/dump_truck.toml and sweep_truck.toml).
+constexpr double MESH_SECONDS_PER_FACE = 2.5e-5;
 // A semi-implicit step over an explicit one, and each of its iterations; how many it takes where a wave crosses one
 // cell more (bench_mpm_semi_implicit).
 constexpr double SEMI_IMPLICIT_STEP = 1.7, SEMI_IMPLICIT_ITERATION = 0.85, ITERATIONS_PER_CELL = 1.1;
@@ -74,6 +77,15 @@ std::uint64_t frame_bytes_of_solid(const fem::FemPlan& plan, const fem::FemBody&
   if (plan.outputs.curvature_energy)
     per_tet += 4;
   return FRAME_BYTES_PER_BODY + vertices_in_frame(body) * per_node + report.tets * per_tet;
+}
+
+/// Cells that the matter of particles fills.
+double filled_cells(const mpm::MpmPlan& plan) {
+  const double cell = plan.settings.cell * plan.settings.cell * plan.settings.cell;
+  double cells = 0.0;
+  for (const mpm::MpmBody& body : plan.bodies)
+    cells += static_cast<double>(body.positions->rows()) * body.particle_volume / cell;
+  return cells;
 }
 
 /// Bytes of a frame, in all frames.
@@ -193,6 +205,8 @@ void add_cost_of_particles(const ScenePlan& plan, CostEstimate& cost) {
   for (std::size_t i = 0; i < mpm.bodies.size(); ++i)
     seconds += steps * add_body_of_particles(plan.sim, mpm.bodies[i], plan.bodies[plan.sim.fem.bodies.size() + i], dt,
                                              steps, cost);
+  if (meets_meshes(mpm))
+    seconds += steps * MESH_SECONDS_PER_FACE * std::pow(filled_cells(mpm), 2.0 / 3.0);
   cost.steps = std::max(cost.steps, steps);
   cost.time_step = cost.time_step > 0.0 ? std::min(cost.time_step, dt) : dt;
   cost.seconds_per_step = cost.steps > 0.0 ? seconds / cost.steps : 0.0;
@@ -246,11 +260,7 @@ void add_cost_of_solids(const shots::Shot& shot, const ScenePlan& plan, CostEsti
 double bytes_of_fields(const mpm::MpmPlan& plan) {
   // Nodes about the matter, 16 bytes each and some for blocks.
   constexpr double NODES_PER_CELL = 2.0, BYTES_PER_NODE = 17.0;
-  const double cell = plan.settings.cell * plan.settings.cell * plan.settings.cell;
-  double cells = 0.0;
-  for (const mpm::MpmBody& body : plan.bodies)
-    cells += static_cast<double>(body.positions->rows()) * body.particle_volume / cell;
-  return NODES_PER_CELL * BYTES_PER_NODE * cells;
+  return NODES_PER_CELL * BYTES_PER_NODE * filled_cells(plan);
 }
 
 CostEstimate estimate_cost(const shots::Shot& shot, const ScenePlan& plan) {
