@@ -91,6 +91,29 @@ max = 1.0000001
   EXPECT_THAT(last.err, HasSubstr("at frame 3"));
 }
 
+TEST_F(Sweep, RatiosAreJudgedBesideWhatAWedgeFailsByItself) {
+  const Outcome outcome = sweep(R"([[sweep.case]]
+name = "soft"
+set = { "material.soft.youngs_modulus" = 1e4 }
+[[sweep.case]]
+name = "stiff"
+set = { "material.soft.youngs_modulus" = 8e5 }
+[expect.alike]
+measure = "height"
+ratio_to = "soft"
+min = 0.9999999
+max = 1.0000001
+[expect.impossible]
+measure = "height"
+case = "stiff"
+max = 0
+)",
+                                {"--set", "shot.frames=\"1-3\""});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("expect.impossible"));
+  EXPECT_THAT(outcome.err, HasSubstr("height of stiff over soft is"));
+}
+
 TEST_F(Sweep, AddedValuesKeepNumbersAndRepeatNothing) {
   ASSERT_EQ(sweep(TWO).exit_code, 0);
   const std::vector<std::string> before = column("wedge");

@@ -165,10 +165,15 @@ Status sweep_verb(const Invocation& invocation) {
     return status;
   const auto bad = std::count_if(study->rows.begin(), study->rows.end(),
                                  [](const StudyRow& row) { return row.outcome != StudyOutcome::done; });
+  // A wedge that does not hold what is expected of it is measured all the same.
+  const bool measured = std::all_of(study->rows.begin(), study->rows.end(), [](const StudyRow& row) {
+    return row.outcome == StudyOutcome::done || row.outcome == StudyOutcome::expectation_failed;
+  });
+  const Status ratios = measured ? check_ratios(*session, study->rows) : Status();
   if (bad > 0)
-    return make_error(ErrorCode::check_failed, "{} of {} wedges are not done:\n{}", bad, study->rows.size(),
-                      study_failures(study->rows));
-  return check_ratios(*session, study->rows);
+    return make_error(ErrorCode::check_failed, "{} of {} wedges are not done:\n{}{}", bad, study->rows.size(),
+                      study_failures(study->rows), ratios ? std::string() : ratios.error().message);
+  return ratios;
 }
 
 } // namespace wry::pipeline
