@@ -65,8 +65,8 @@ TEST_F(Sweep, EveryWedgeIsWholeAndTheTableSheetAndPageTellOfAll) {
   EXPECT_EQ(meshes, 1u) << "both wedges have the same mesh: it is made once";
 }
 
-TEST_F(Sweep, RatiosBetweenWedgesAreOfTheirFrameAndWithoutACaseOfEveryOtherWedge) {
-  const std::string cases = R"([[sweep.case]]
+/// Two wedges that stand alike at the start only.
+const std::string ALIKE = R"([[sweep.case]]
 name = "soft"
 set = { "material.soft.youngs_modulus" = 1e4 }
 [[sweep.case]]
@@ -78,32 +78,23 @@ ratio_to = "soft"
 min = 0.9999999
 max = 1.0000001
 )";
-  EXPECT_EQ(sweep(cases + "frame = 1\n").exit_code, 0) << "at the start both stand as they were made";
-  const Outcome later = sweep(cases + "frame = 3\n");
+
+TEST_F(Sweep, RatiosBetweenWedgesAreOfTheirFrameAndWithoutACaseOfEveryOtherWedge) {
+  EXPECT_EQ(sweep(ALIKE + "frame = 1\n").exit_code, 0) << "at the start both stand as they were made";
+  const Outcome later = sweep(ALIKE + "frame = 3\n");
   EXPECT_EQ(later.exit_code, 1);
   EXPECT_THAT(later.err, HasSubstr("height of stiff over soft is"));
   EXPECT_THAT(later.err, HasSubstr("at frame 3"));
-  const Outcome cut = sweep(cases);
+  const Outcome cut = sweep(ALIKE);
   EXPECT_EQ(cut.exit_code, 0) << cut.err;
   EXPECT_THAT(cut.out, HasSubstr("not judged: alike (frame 9 was not asked for)"));
-  const Outcome last = sweep(cases, {"--set", "shot.frames=\"1-3\""});
+  const Outcome last = sweep(ALIKE, {"--set", "shot.frames=\"1-3\""});
   EXPECT_EQ(last.exit_code, 1) << "the shot's last frame, where none is named";
   EXPECT_THAT(last.err, HasSubstr("at frame 3"));
 }
 
 TEST_F(Sweep, RatiosAreJudgedBesideWhatAWedgeFailsByItself) {
-  const Outcome outcome = sweep(R"([[sweep.case]]
-name = "soft"
-set = { "material.soft.youngs_modulus" = 1e4 }
-[[sweep.case]]
-name = "stiff"
-set = { "material.soft.youngs_modulus" = 8e5 }
-[expect.alike]
-measure = "height"
-ratio_to = "soft"
-min = 0.9999999
-max = 1.0000001
-[expect.impossible]
+  const Outcome outcome = sweep(ALIKE + R"([expect.impossible]
 measure = "height"
 case = "stiff"
 max = 0
