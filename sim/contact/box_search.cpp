@@ -106,7 +106,7 @@ void BoxSearch<AnyBox>::add_triangles(std::int32_t begin, std::int32_t end, std:
     const std::int32_t node = m_surface.points()[static_cast<std::size_t>(point)];
     AnyBox box = (*m_nodes)[static_cast<std::size_t>(node)];
     box.grow(m_distance);
-    const auto take = [&](std::int32_t j, const AnyBox&) {
+    const auto take = [&](std::int32_t j) {
       const Surface::Triangle& t = m_surface.triangles()[static_cast<std::size_t>(j)];
       if (!has_node(t, node))
         out.push_back({{node, t[0], t[1], t[2]}, point, j});
@@ -157,7 +157,7 @@ template <class AnyBox> std::size_t BoxSearch<AnyBox>::memory_bytes() const {
   return 2 * (m_triangle_boxes.capacity() + m_edge_boxes.capacity()) * sizeof(AnyBox);
 }
 
-template class BoxSearch<Box>;
 template class BoxSearch<MovingBox>;
+template class BoxSearch<WideMovingBox>;
 
 } // namespace wry::contact

@@ -9,7 +9,7 @@
 
 namespace wry::contact {
 
-/// Finds the primitives whose boxes come within a distance: boxes that stand still, or that move.
+/// Finds the primitives whose boxes, which move, come within a distance.
 template <class AnyBox> class BoxSearch {
 public:
   BoxSearch(const Surface& surface, const Threads& threads);
@@ -43,7 +43,7 @@ private:
 /// Where the points of each part begin in the surface, and one past the last.
 std::vector<std::size_t> first_points_of_parts(const Surface& surface);
 
-extern template class BoxSearch<Box>;
 extern template class BoxSearch<MovingBox>;
+extern template class BoxSearch<WideMovingBox>;
 
 } // namespace wry::contact

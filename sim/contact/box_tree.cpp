@@ -6,13 +6,9 @@ namespace wry::contact {
 
 namespace {
 
-constexpr std::int32_t LEAF_SIZE = 4;
+constexpr std::int32_t LANES = 4;
 /// A tree is built anew when its boxes have become larger by this factor, against what they contain.
 constexpr double MOST_LOOSENESS = 1.3;
-
-template <class AnyBox> double size_of(const AnyBox& box) {
-  return (box.high[0] - box.low[0]) + (box.high[1] - box.low[1]) + (box.high[2] - box.low[2]);
-}
 
 } // namespace
 
@@ -21,12 +17,10 @@ void TreeOf<AnyBox>::build(const std::vector<AnyBox>& boxes, std::size_t begin, 
   m_nodes.clear();
   m_members.resize(end - begin);
   std::iota(m_members.begin(), m_members.end(), static_cast<std::int32_t>(begin));
-  m_leaf_boxes.resize(m_members.size());
   if (m_members.empty())
     return;
   build_node(boxes, 0, static_cast<std::int32_t>(m_members.size()));
-  for (std::size_t i = 0; i < m_members.size(); ++i)
-    m_leaf_boxes[i] = boxes[m_members[i]];
+  refit(boxes);
   m_built_looseness = looseness();
 }
 
@@ -39,20 +33,13 @@ void TreeOf<AnyBox>::update(const std::vector<AnyBox>& boxes, std::size_t begin,
     build(boxes, begin, end);
 }
 
-/// Children come after their parents.
 template <class AnyBox> void TreeOf<AnyBox>::refit(const std::vector<AnyBox>& boxes) {
-  for (std::size_t i = 0; i < m_members.size(); ++i)
-    m_leaf_boxes[i] = boxes[m_members[i]];
   for (std::size_t index = m_nodes.size(); index-- > 0;) {
     Node& node = m_nodes[index];
-    if (node.right != 0) {
-      node.box = m_nodes[index + 1].box;
-      node.box.include(m_nodes[static_cast<std::size_t>(node.right)].box);
-      continue;
+    for (std::int32_t lane = 0; lane < node.count; ++lane) {
+      const std::int32_t child = node.child[static_cast<std::size_t>(lane)];
+      node.pack.put(lane, node.is_leaf ? boxes[child] : m_nodes[child].pack.whole());
     }
-    node.box = m_leaf_boxes[static_cast<std::size_t>(node.begin)];
-    for (std::int32_t i = node.begin + 1; i < node.end; ++i)
-      node.box.include(m_leaf_boxes[static_cast<std::size_t>(i)]);
   }
 }
 
@@ -61,50 +48,75 @@ template <class AnyBox> double TreeOf<AnyBox>::looseness() const {
   double nodes = 0.0;
   double members = 0.0;
   for (const Node& node : m_nodes)
-    nodes += size_of(node.box);
-  for (const AnyBox& box : m_leaf_boxes)
-    members += size_of(box);
+    (node.is_leaf ? members : nodes) += node.pack.sizes();
   return members > 0.0 ? nodes / members : 0.0;
 }
 
+/// Orders the members so that what lies low along the longest side comes first. Returns where the second half begins,
+/// such that leaves are full.
 template <class AnyBox>
-std::int32_t TreeOf<AnyBox>::build_node(const std::vector<AnyBox>& boxes, std::int32_t begin, std::int32_t end) {
-  AnyBox box = boxes[m_members[begin]];
+std::int32_t TreeOf<AnyBox>::halve(const std::vector<AnyBox>& boxes, std::int32_t begin, std::int32_t end) {
   double low[3];
   double high[3];
   for (int i = 0; i < 3; ++i)
-    low[i] = high[i] = box.low[i] + box.high[i];
-  std::int32_t last = 0;
-  for (std::int32_t k = begin; k < end; ++k) {
-    last = std::max(last, m_members[k]);
-    const AnyBox& other = boxes[m_members[k]];
-    box.include(other);
+    low[i] = high[i] = boxes[m_members[begin]].low[i] + boxes[m_members[begin]].high[i];
+  for (std::int32_t k = begin + 1; k < end; ++k) {
+    const AnyBox& box = boxes[m_members[k]];
     for (int i = 0; i < 3; ++i) {
-      const double twice_middle = other.low[i] + other.high[i];
+      const double twice_middle = box.low[i] + box.high[i];
       low[i] = std::min(low[i], twice_middle);
       high[i] = std::max(high[i], twice_middle);
     }
   }
-  const auto index = static_cast<std::int32_t>(m_nodes.size());
-  m_nodes.push_back({box, begin, end, 0, last});
-  if (end - begin <= LEAF_SIZE)
-    return index;
   int axis = 0;
   for (int i = 1; i < 3; ++i)
     axis = high[i] - low[i] > high[axis] - low[axis] ? i : axis;
-  const std::int32_t middle = begin + (end - begin) / 2;
+  const std::int32_t half = ((end - begin) / 2 + LANES - 1) / LANES * LANES;
+  const std::int32_t middle = begin + half;
   std::nth_element(m_members.begin() + begin, m_members.begin() + middle, m_members.begin() + end,
                    [&](std::int32_t a, std::int32_t b) {
                      const double x = boxes[a].low[axis] + boxes[a].high[axis];
                      const double y = boxes[b].low[axis] + boxes[b].high[axis];
                      return x != y ? x < y : a < b;
                    });
-  build_node(boxes, begin, middle);
-  m_nodes[index].right = build_node(boxes, middle, end);
+  return middle;
+}
+
+/// All but the boxes, which `refit` puts in.
+template <class AnyBox>
+std::int32_t TreeOf<AnyBox>::build_node(const std::vector<AnyBox>& boxes, std::int32_t begin, std::int32_t end) {
+  const auto index = static_cast<std::int32_t>(m_nodes.size());
+  m_nodes.emplace_back();
+  if (end - begin <= LANES) {
+    Node& node = m_nodes.back();
+    node.is_leaf = true;
+    node.count = end - begin;
+    std::copy(m_members.begin() + begin, m_members.begin() + end, node.child.begin());
+    node.last = node.child;
+    return index;
+  }
+  std::array<std::int32_t, LANES + 1> bounds = {begin, 0, 0, 0, 0};
+  std::int32_t parts = 0;
+  const std::int32_t middle = halve(boxes, begin, end);
+  for (const auto& [from, to] : {std::pair(begin, middle), std::pair(middle, end)}) {
+    if (to - from > LANES)
+      bounds[static_cast<std::size_t>(++parts)] = halve(boxes, from, to);
+    bounds[static_cast<std::size_t>(++parts)] = to;
+  }
+  for (std::size_t part = 0; part < static_cast<std::size_t>(parts); ++part) {
+    const std::int32_t child = build_node(boxes, bounds[part], bounds[part + 1]);
+    const std::array<std::int32_t, LANES>& below = m_nodes[child].last;
+    const std::int32_t last = *std::max_element(below.begin(), below.begin() + m_nodes[child].count);
+    Node& node = m_nodes[index];
+    node.child[part] = child;
+    node.last[part] = last;
+    ++node.count;
+  }
   return index;
 }
 
 template class TreeOf<Box>;
 template class TreeOf<MovingBox>;
+template class TreeOf<WideMovingBox>;
 
 } // namespace wry::contact

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
 #include "sim/base/types.h"
-#include "sim/contact/moving_box.h"
+#include "sim/contact/box_pack.h"
 
 namespace wry::contact {
 
@@ -32,8 +34,8 @@ struct Box {
   }
 };
 
-/// A binary tree of boxes, halved at the median along the longest side; the same for the same boxes. Storage is kept
-/// between builds.
+/// A tree of boxes with four children to a node, halved twice at the median along the longest side; the same for the
+/// same boxes. Storage is kept between builds.
 template <class AnyBox> class TreeOf {
 public:
   /// Of the boxes [begin, end); queries name them by their place in the whole list.
@@ -43,29 +45,10 @@ public:
   /// while that still serves, else builds. What a query finds is the same, its order may not be.
   void update(const std::vector<AnyBox>& boxes, std::size_t begin, std::size_t end);
 
-  /// Calls visit(index, box) for every box beyond `after` that meets the query, in an order that depends on how the
-  /// tree was built.
+  /// Calls visit(index) for every box beyond `after` that meets the query, in an order that depends on how the tree was
+  /// built.
   template <class Visit> void query(const AnyBox& box, const Visit& visit, std::int32_t after = -1) const {
-    if (m_nodes.empty())
-      return;
-    std::int32_t stack[64];
-    int depth = 0;
-    stack[depth++] = 0;
-    while (depth > 0) {
-      const std::int32_t index = stack[--depth];
-      const Node& node = m_nodes[index];
-      if (node.last <= after || !node.box.meets(box))
-        continue;
-      if (node.right != 0) {
-        stack[depth++] = node.right;
-        stack[depth++] = index + 1;
-        continue;
-      }
-      for (std::int32_t i = node.begin; i < node.end; ++i) {
-        if (m_members[i] > after && m_leaf_boxes[i].meets(box))
-          visit(m_members[i], m_leaf_boxes[i]);
-      }
-    }
+    query(&box, 1, box, &after, [&](int, std::int32_t index) { visit(index); });
   }
 
   /// The same for several boxes that are near each other, in less time: visit(which, index). Which boxes count for each
@@ -73,34 +56,53 @@ public:
   template <class Visit>
   void query(const AnyBox* boxes, int count, const AnyBox& around, const std::int32_t* after,
              const Visit& visit) const {
-    std::int32_t least = after[0];
-    for (int which = 1; which < count; ++which)
-      least = std::min(least, after[which]);
-    query(
-        around,
-        [&](std::int32_t index, const AnyBox& box) {
-          for (int which = 0; which < count; ++which) {
-            if (index > after[which] && boxes[which].meets(box))
-              visit(which, index);
-          }
-        },
-        least);
+    if (m_nodes.empty())
+      return;
+    const std::int32_t least = *std::min_element(after, after + count);
+    std::int32_t stack[64];
+    int depth = 0;
+    stack[depth++] = 0;
+    while (depth > 0) {
+      const Node& node = m_nodes[stack[--depth]];
+      if (!node.is_leaf) {
+        for_each_lane(node.pack.meeting(around), [&](std::size_t lane) {
+          if (node.last[lane] > least)
+            stack[depth++] = node.child[lane];
+        });
+        continue;
+      }
+      for (int which = 0; which < count; ++which) {
+        for_each_lane(node.pack.meeting(boxes[which]), [&](std::size_t lane) {
+          if (node.child[lane] > after[which])
+            visit(which, node.child[lane]);
+        });
+      }
+    }
+  }
+
+  std::size_t memory_bytes() const {
+    return m_nodes.capacity() * sizeof(Node) + m_members.capacity() * sizeof(std::int32_t);
   }
 
 private:
   struct Node {
-    AnyBox box;
-    std::int32_t begin, end;
-    std::int32_t right; ///< the left child follows its parent; 0: a leaf
-    std::int32_t last;  ///< the greatest member
+    BoxPack<AnyBox> pack;
+    std::array<std::int32_t, 4> child; ///< nodes, which come after their parents, or boxes
+    std::array<std::int32_t, 4> last;  ///< the greatest box below
+    std::int32_t count = 0;
+    bool is_leaf = false;
   };
+  template <class Lane> static void for_each_lane(unsigned mask, const Lane& lane) {
+    for (; mask != 0; mask &= mask - 1)
+      lane(static_cast<std::size_t>(std::countr_zero(mask)));
+  }
   std::int32_t build_node(const std::vector<AnyBox>& boxes, std::int32_t begin, std::int32_t end);
+  std::int32_t halve(const std::vector<AnyBox>& boxes, std::int32_t begin, std::int32_t end);
   void refit(const std::vector<AnyBox>& boxes);
   double looseness() const;
 
   std::vector<Node> m_nodes;
-  std::vector<std::int32_t> m_members;
-  std::vector<AnyBox> m_leaf_boxes; ///< in the order of the members
+  std::vector<std::int32_t> m_members; ///< as they are halved
   double m_built_looseness = 0.0;
 };
 
@@ -108,5 +110,6 @@ using BoxTree = TreeOf<Box>;
 using MovingTree = TreeOf<MovingBox>;
 extern template class TreeOf<Box>;
 extern template class TreeOf<MovingBox>;
+extern template class TreeOf<WideMovingBox>;
 
 } // namespace wry::contact

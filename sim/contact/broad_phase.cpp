@@ -13,17 +13,21 @@ namespace wry::contact {
 namespace {
 
 constexpr std::size_t GRAIN = 128;
-constexpr std::size_t GROUP = BoxSearch<Box>::GROUP;
-/// Rooms go on beyond the end of a way by this many times as much, where the next steps go, at most by so many margins.
-constexpr double STEPS_AHEAD = 2.0;
-constexpr double AHEAD = 2.0;
-/// Ways longer than so many margins are searched for themselves: a list with rooms for them would be too long, and be
-/// left at once by what follows.
+constexpr std::size_t GROUP = BoxSearch<MovingBox>::GROUP;
+/// A list's ways go on, where the next steps go: for so many times as long, at most by so many margins.
+constexpr double STEPS_AHEAD = 8.0;
+constexpr double AHEAD = 8.0;
+/// Ways longer than so many margins are searched for themselves: a list for them would be too long, and be left at once
+/// by what follows.
 constexpr double LONG_WAY = 4.0;
 /// A list pays when it serves so often: making it takes as long as so many searches for one way.
-constexpr int PAYS = 4;
+constexpr int PAYS = 3;
 /// The radius of the small balls around places along the ways, as a share of the distance.
 constexpr double SMALL_BALL = 0.45;
+/// How far along the ways nodes are is guessed from every so-manieth.
+constexpr std::size_t SAMPLED = 8;
+/// Who is farther apart than so many distances is not measured exactly.
+constexpr double ENOUGH = 3.0;
 constexpr std::size_t PICK_GRAIN = 2048;
 /// Numbers that are kept in single precision are moved by this share to the safe side.
 constexpr float SINGLE_SLACK = 1e-6F;
@@ -73,8 +77,7 @@ BroadPhase::BroadPhase(const Surface& surface, const Threads& threads, std::size
     , m_most_pairs(most_pairs)
     , m_reach_within(std::move(reach_within))
     , m_first_point(first_points_of_parts(surface))
-    , m_room_search(surface, threads)
-    , m_moving_search(surface, threads) {
+    , m_boxes{{surface, threads}, {}} {
   for (int a = 0; a < surface.part_count(); ++a) {
     for (int b = 0; b <= a; ++b) {
       if (surface.meet(a, b))
@@ -83,10 +86,11 @@ BroadPhase::BroadPhase(const Surface& surface, const Threads& threads, std::size
   }
 }
 
-Points BroadPhase::middles_of(const Points& positions, PairGroup group) const {
-  Points middles = Points::Zero(m_surface.part_count(), 3);
+BroadPhase::Placed BroadPhase::seen(const Points& positions, PairGroup group) const {
+  Placed placed{positions, Points::Zero(m_surface.part_count(), 3)};
+  Points& middles = placed.middles;
   if (group == PairGroup::between_parts)
-    return middles;
+    return placed;
   const std::vector<std::int32_t>& points = m_surface.points();
   for (Eigen::Index part = 0; part < middles.rows(); ++part) {
     const std::size_t begin = m_first_point[static_cast<std::size_t>(part)];
@@ -97,172 +101,148 @@ Points BroadPhase::middles_of(const Points& positions, PairGroup group) const {
     if (end > begin)
       middles.row(part) = sum.transpose() / static_cast<double>(end - begin);
   }
-  return middles;
+  return placed;
 }
 
 void BroadPhase::measure_ways(PairGroup group, const Points& positions, Ways& out) const {
-  measure_ways(group, lists(group).near_measured_at, positions, out);
+  measure_ways(seen(lists(group).near.measured_at, group), seen(positions, group), out);
 }
 
-void BroadPhase::measure_ways(PairGroup group, const Points& since, const Points& positions, Ways& out) const {
-  out.measure(m_surface, since, middles_of(since, group), positions, middles_of(positions, group));
+void BroadPhase::measure_ways(const Placed& since, const Placed& now, Ways& out) const {
+  out.measure(m_surface, since.positions, since.middles, now.positions, now.middles);
 }
 
-bool BroadPhase::hold(const std::vector<Box>& rooms, const Points& positions, const Points& middles) const {
-  for (const std::int32_t node : m_surface.points()) {
-    const double* x = positions.data() + 3 * static_cast<std::ptrdiff_t>(node);
-    const double* middle = middles.data() + 3 * static_cast<std::ptrdiff_t>(m_surface.part_of_node(node));
-    const Box& room = rooms[node];
-    for (int i = 0; i < 3; ++i) {
-      const double place = x[i] - middle[i];
-      if (!(place >= room.low[i] && place <= room.high[i]))
-        return false;
-    }
-  }
-  return true;
+double BroadPhase::longest_way_within(const Points& from, const Points& to) const {
+  return &from == &to ? 0.0 : longest_way(seen(from, PairGroup::within_parts), seen(to, PairGroup::within_parts));
 }
 
-bool BroadPhase::hold(const std::vector<Box>& rooms, PairGroup group, const Points& from, const Points& to) const {
-  return hold(rooms, to, middles_of(to, group)) && (&from == &to || hold(rooms, from, middles_of(from, group)));
-}
-
-double BroadPhase::longest_way(const Points& from, const Points& to, PairGroup group) const {
-  if (&from == &to)
-    return 0.0;
-  const Points flown = middles_of(to, group) - middles_of(from, group);
+double BroadPhase::longest_way(const Placed& from, const Placed& to) const {
+  const Points flown = to.middles - from.middles;
   double longest = 0.0;
   for (const std::int32_t node : m_surface.points()) {
-    const Eigen::RowVector3d way = to.row(node) - from.row(node) - flown.row(m_surface.part_of_node(node));
+    const Eigen::RowVector3d way =
+        to.positions.row(node) - from.positions.row(node) - flown.row(m_surface.part_of_node(node));
     longest = std::max(longest, way.cwiseAbs().maxCoeff());
   }
   return longest;
-}
-
-void BroadPhase::give_rooms(const Points& from, const Points& to, PairGroup group, double margin) {
-  const Points from_middles = middles_of(from, group);
-  const Points to_middles = middles_of(to, group);
-  std::vector<Box>& rooms = m_lists[static_cast<std::size_t>(group)].rooms;
-  rooms.resize(static_cast<std::size_t>(m_surface.node_count()));
-  for (const std::int32_t node : m_surface.points()) {
-    const int part = m_surface.part_of_node(node);
-    for (int i = 0; i < 3; ++i) {
-      const double a = from(node, i) - from_middles(part, i);
-      const double b = to(node, i) - to_middles(part, i);
-      // Those that move fast change their way by more.
-      const double spare = margin + 0.1 * std::abs(b - a);
-      const double beyond = b + std::clamp(STEPS_AHEAD * (b - a), -AHEAD * margin, AHEAD * margin);
-      rooms[node].low[i] = std::min(a, beyond) - spare;
-      rooms[node].high[i] = std::max(a, beyond) + spare;
-    }
-  }
 }
 
 bool BroadPhase::cover(const Points& from, const Points& to, double distance, double margin) {
   const int searches = m_searches;
   for (const PairGroup group : PAIR_GROUPS) {
     Lists& lists = m_lists[static_cast<std::size_t>(group)];
-    if (!lists.needed || cover_group(group, from, to, distance, margin))
+    if (!lists.needed || cover_group(group, seen(from, group), seen(to, group), distance, margin))
       continue;
-    lists.near_valid = false;
-    for (const std::size_t kind : {0, 1})
-      lists.near[kind].clear();
+    lists.near.valid = false;
+    for (std::vector<CandidatePair>& pairs : lists.near.pairs)
+      pairs.clear();
     return false;
   }
   m_searches = std::min(m_searches, searches + 1);
   return true;
 }
 
-bool BroadPhase::cover_group(PairGroup group, const Points& from, const Points& to, double distance, double margin) {
+bool BroadPhase::cover_group(PairGroup group, const Placed& from, const Placed& to, double distance, double margin) {
   Lists& lists = m_lists[static_cast<std::size_t>(group)];
-  const double way = longest_way(from, to, group);
   // Long ways are always searched for, so that whether their pairs fit depends on them alone and not on what was
   // searched before: a run that is resumed must take the same steps.
-  if (way > LONG_WAY * margin) {
+  if (longest_way(from, to) > LONG_WAY * margin) {
     lists.unserved = 0;
-    if (search_moving(from, to, group, distance))
-      return true;
-    const bool fits = make_list(from, to, group, distance, margin);
-    lists.valid = false; // too long for short ways
-    return fits;
+    return search_near(group, from, to, distance);
   }
-  if (lists.near_valid && distance <= lists.near_distance && is_near_valid_for(lists, group, from) &&
-      (&from == &to || is_near_valid_for(lists, group, to)) &&
-      (!lists.near_is_picked || hold(lists.rooms, group, from, to)))
+  const bool listed = lists.list.valid && distance <= lists.list.distance && holds(lists.list, from, to);
+  if (lists.near.valid && distance <= lists.near.distance && (listed || !lists.near_is_picked) &&
+      holds(lists.near, from, to))
     return true;
-  if (lists.valid && distance <= lists.distance && hold(lists.rooms, group, from, to)) {
+  if (listed) {
     ++lists.served;
-    pick(from, to, group);
+    pick(group, from, to);
     return true;
   }
   // When the last list was soon left, the next is made only after it would have paid.
   const bool pays = lists.served >= PAYS || ++lists.unserved >= PAYS;
-  if (!pays && search_moving(from, to, group, distance))
+  if (!pays && search_near(group, from, to, distance))
     return true;
   lists.served = 1;
   lists.unserved = 0;
-  return make_list(from, to, group, distance, margin) || (pays && search_moving(from, to, group, distance));
+  return make_list(group, from, to, distance, margin) || (pays && search_near(group, from, to, distance));
 }
 
-/// A list in double precision, for which boxes in single precision may be too coarse, and the pairs picked from it.
-bool BroadPhase::make_list(const Points& from, const Points& to, PairGroup group, double distance, double margin) {
-  Lists& lists = m_lists[static_cast<std::size_t>(group)];
-  give_rooms(from, to, group, margin);
-  lists.measured_at = from;
-  lists.valid = search_rooms(group, distance);
-  if (lists.valid)
-    pick(from, to, group);
-  return lists.valid;
+/// A list, and the pairs picked from it.
+bool BroadPhase::make_list(PairGroup group, const Placed& from, const Placed& to, double distance, double margin) {
+  PairSet& list = m_lists[static_cast<std::size_t>(group)].list;
+  const auto go_on = [&](const Placed& end, double way) {
+    set_ways(list, from, end, distance);
+    list.ball = margin;
+    list.way *= way > 0.0 ? std::clamp(AHEAD * margin / way, 1.0, STEPS_AHEAD) : 1.0;
+  };
+  // A correction of Newton's tells nothing about the steps to come; those that go far will not ask for this list.
+  bool expects = m_expected_ways.rows() > 0;
+  if (expects) {
+    const Points end = from.positions + m_expected_ways;
+    const Placed ahead = seen(end, group);
+    const double way = longest_way(from, ahead);
+    go_on(ahead, way);
+    expects = way <= LONG_WAY * margin && holds(list, to);
+  }
+  if (!expects)
+    go_on(to, longest_way(from, to));
+  list.valid = search(list, group);
+  if (list.valid)
+    pick(group, from, to);
+  return list.valid;
 }
 
-/// Whether all nodes are in small balls around places equally far along their ways. Such positions, and all between
-/// two of them, are a convex set.
-bool BroadPhase::is_near_valid_for(const Lists& lists, PairGroup group, const Points& positions) const {
-  const double ball = SMALL_BALL * lists.near_distance;
-  const Points middles = middles_of(positions, group);
+/// Whether all nodes are in balls around places equally far along their ways. Such positions, and all between two of
+/// them, are a convex set.
+bool BroadPhase::holds(const PairSet& set, const Placed& at) const {
   const std::vector<std::int32_t>& points = m_surface.points();
+  const auto from_start = [&](std::int32_t node) -> Eigen::RowVector3d {
+    return at.positions.row(node) - at.middles.row(m_surface.part_of_node(node)) - set.from.row(node);
+  };
   double along = 0.0;
   double length = 0.0;
-  for (const std::int32_t node : points) {
-    const int part = m_surface.part_of_node(node);
-    const Eigen::RowVector3d way = lists.near_way.row(node);
-    along += way.dot(positions.row(node) - middles.row(part) - lists.near_from.row(node));
+  for (std::size_t i = 0; i < points.size(); i += SAMPLED) {
+    const Eigen::RowVector3d way = set.way.row(points[i]);
+    along += way.dot(from_start(points[i]));
     length += way.squaredNorm();
   }
   const double share = length > 0.0 ? std::clamp(along / length, 0.0, 1.0) : 0.0;
   return std::all_of(points.begin(), points.end(), [&](std::int32_t node) {
-    const int part = m_surface.part_of_node(node);
-    const Eigen::RowVector3d off =
-        positions.row(node) - middles.row(part) - lists.near_from.row(node) - share * lists.near_way.row(node);
-    return off.squaredNorm() <= ball * ball;
+    return (from_start(node) - share * set.way.row(node)).squaredNorm() <= set.ball * set.ball;
   });
 }
 
-void BroadPhase::set_ways(const Points& from, const Points& to, PairGroup group, double distance) {
-  Lists& lists = m_lists[static_cast<std::size_t>(group)];
-  const Points from_middles = middles_of(from, group);
-  const Points to_middles = middles_of(to, group);
-  lists.near_from = from;
-  lists.near_way = to - from;
+bool BroadPhase::holds(const PairSet& set, const Placed& from, const Placed& to) const {
+  return holds(set, to) && (&from.positions == &to.positions || holds(set, from));
+}
+
+void BroadPhase::set_ways(PairSet& set, const Placed& from, const Placed& to, double distance) const {
+  set.from = from.positions;
+  set.way = to.positions - from.positions;
   for (const std::int32_t node : m_surface.points()) {
     const int part = m_surface.part_of_node(node);
-    lists.near_from.row(node) -= from_middles.row(part);
-    lists.near_way.row(node) -= to_middles.row(part) - from_middles.row(part);
+    set.from.row(node) -= from.middles.row(part);
+    set.way.row(node) -= to.middles.row(part) - from.middles.row(part);
   }
-  lists.near_distance = distance;
-  lists.near_valid = true;
+  set.measured_at = from.positions;
+  set.distance = distance;
+  set.ball = SMALL_BALL * distance;
+  set.valid = true;
 }
 
 /// A pair is left out if it cannot come within the distance from places along its ways, given small balls around them.
-void BroadPhase::pick(const Points& from, const Points& to, PairGroup group) {
+void BroadPhase::pick(PairGroup group, const Placed& from, const Placed& to) {
   Lists& lists = m_lists[static_cast<std::size_t>(group)];
-  set_ways(from, to, group, lists.distance);
+  set_ways(lists.near, from, to, lists.list.distance);
   lists.near_is_picked = true;
-  lists.near_measured_at = lists.measured_at;
-  const double spent = (1.0 + 2.0 * SMALL_BALL) * lists.distance;
-  measure_ways(group, from, m_from_ways);
-  measure_ways(group, to, m_to_ways);
+  lists.near.measured_at = lists.list.measured_at;
+  const double spent = lists.near.spent();
+  const Placed since = seen(lists.near.measured_at, group);
+  measure_ways(since, from, m_from_ways);
+  measure_ways(since, to, m_to_ways);
   for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
-    const std::vector<CandidatePair>& pairs = lists.pairs[static_cast<std::size_t>(kind)];
+    const std::vector<CandidatePair>& pairs = lists.list.pairs[static_cast<std::size_t>(kind)];
     const std::size_t count = (pairs.size() + PICK_GRAIN - 1) / PICK_GRAIN;
     m_chunks.resize(std::max(m_chunks.size(), count));
     m_threads.for_chunks(pairs.size(), PICK_GRAIN, [&](std::size_t begin, std::size_t end) {
@@ -274,26 +254,26 @@ void BroadPhase::pick(const Points& from, const Points& to, PairGroup group) {
           chunk.push_back(pairs[i]);
       }
     });
-    join_chunks(count, lists.near[static_cast<std::size_t>(kind)]);
-    sort_pairs(lists.near[static_cast<std::size_t>(kind)], 0);
+    std::vector<CandidatePair>& near = lists.near.pairs[static_cast<std::size_t>(kind)];
+    join_chunks(count, near);
+    sort_pairs(near, 0);
   }
 }
 
-/// With the moving boxes of the nodes there, from which rounding takes so much.
-void BroadPhase::measure(PairKind kind, PairGroup group, const Points& at, double distance, double rounding,
-                         CandidatePair& pair) const {
-  // Most are far enough from each other for the direction between their middles to tell, or their boxes.
-  const double enough = 4.0 * distance;
-  double apart = std::max(0.0, middle_distance(kind, pair.nodes, m_moving_boxes, rounding));
+/// `known` is what they are apart at least.
+void BroadPhase::measure(PairKind kind, PairGroup group, const PairSet& set, double known, CandidatePair& pair) const {
+  // Most are far enough from each other for what is known to do, or their boxes.
+  const double enough = ENOUGH * set.distance;
+  double apart = std::max(0.0, known);
   if (apart < enough)
-    apart = std::max(apart, std::sqrt(squared_box_distance(kind, at, pair.nodes)));
+    apart = std::max(apart, std::sqrt(squared_box_distance(kind, set.measured_at, pair.nodes)));
   if (apart < enough)
-    apart = std::max(apart, proven_distance(kind, gather(at, pair.nodes)));
+    apart = std::max(apart, proven_distance(kind, gather(set.measured_at, pair.nodes)));
   pair.apart = static_cast<float>(apart) * (1.0F - SINGLE_SLACK);
   // The others need no limit: their distance tells.
-  const bool limited = group == PairGroup::within_parts && m_reach_within && apart < 2.0 * distance;
-  const double reach = limited ? m_reach_within(kind, pair.nodes) : distance;
-  pair.reach = static_cast<float>(std::min(reach, distance)) * (1.0F + SINGLE_SLACK);
+  const bool limited = group == PairGroup::within_parts && m_reach_within && apart < 2.0 * set.distance;
+  const double reach = limited ? m_reach_within(kind, pair.nodes) : set.distance;
+  pair.reach = static_cast<float>(std::min(reach, set.distance)) * (1.0F + SINGLE_SLACK);
 }
 
 /// The first `count` chunks, one after the other. Millions of bytes: the threads share the copying.
@@ -327,113 +307,113 @@ std::size_t BroadPhase::collect(std::size_t count, std::size_t room, const Find&
   return total;
 }
 
-template <class AnyBox>
-bool BroadPhase::search(const BoxSearch<AnyBox>& boxes, const std::function<Finish(PairKind)>& finish, PairLists& out) {
-  ++m_searches;
-  const std::size_t triangles = collect(
-      m_surface.points().size(), m_most_pairs,
-      [&](std::int32_t begin, std::int32_t end, std::vector<CandidatePair>& found) {
-        boxes.add_triangles(begin, end, found);
-      },
-      finish(PairKind::point_triangle), out[static_cast<std::size_t>(PairKind::point_triangle)]);
-  if (triangles > m_most_pairs)
-    return false;
-  const std::size_t room = m_most_pairs - triangles;
-  return collect(
-             m_surface.edges().size(), room,
-             [&](std::int32_t begin, std::int32_t end, std::vector<CandidatePair>& found) {
-               boxes.add_edges(begin, end, found);
-             },
-             finish(PairKind::edge_edge), out[static_cast<std::size_t>(PairKind::edge_edge)]) <= room;
-}
-
-bool BroadPhase::search_rooms(PairGroup group, double distance) {
-  Lists& lists = m_lists[static_cast<std::size_t>(group)];
-  lists.distance = distance;
-  m_room_search.update(lists.rooms, group, distance);
-  const double rounding = rounding_of_boxes(put_moving_boxes(lists.measured_at, {}));
-  const auto measure_all = [&](PairKind kind) -> Finish {
-    return [&, kind](std::vector<CandidatePair>& pairs, std::size_t begin) {
-      for (std::size_t i = begin; i < pairs.size(); ++i)
-        measure(kind, group, lists.measured_at, distance, rounding, pairs[i]);
-    };
-  };
-  const bool fits = search(m_room_search, measure_all, lists.pairs);
-  for (const std::size_t kind : {0, 1}) {
-    if (!fits)
-      lists.pairs[kind].clear();
-  }
-  return fits;
-}
-
-/// Without `ways`, nodes stand still. Returns the largest coordinate, of a place or a way.
-double BroadPhase::put_moving_boxes(const Points& places, const Points& ways) {
-  const std::vector<std::int32_t>& points = m_surface.points();
-  Vec3 origin = Vec3::Zero(); // of the scene, so that single precision tells its parts apart wherever it is
-  for (const std::int32_t node : points)
-    origin += places.row(node).transpose() / static_cast<double>(points.size());
-  m_moving_boxes.resize(static_cast<std::size_t>(m_surface.node_count()));
-  double most = 0.0;
-  for (const std::int32_t node : points) {
-    Eigen::Array4f place = Eigen::Array4f::Zero();
-    Eigen::Array4f way = Eigen::Array4f::Zero();
-    for (int i = 0; i < 3; ++i) {
-      const double x = places(node, i) - origin[i];
-      const double w = ways.rows() > 0 ? ways(node, i) : 0.0;
-      place[i] = static_cast<float>(x);
-      way[i] = static_cast<float>(w);
-      most = std::max({most, std::abs(x), std::abs(w)});
-    }
-    m_moving_boxes[static_cast<std::size_t>(node)] = MovingBox::of(place, way);
-  }
-  return most;
-}
-
 /// What `pick` would pick, without a list.
-bool BroadPhase::search_moving(const Points& from, const Points& to, PairGroup group, double distance) {
+bool BroadPhase::search_near(PairGroup group, const Placed& from, const Placed& to, double distance) {
   Lists& lists = m_lists[static_cast<std::size_t>(group)];
-  set_ways(from, to, group, distance);
+  set_ways(lists.near, from, to, distance);
   lists.near_is_picked = false;
-  lists.near_measured_at = from;
-  const double spent = (1.0 + 2.0 * SMALL_BALL) * distance;
-  const double rounding = rounding_of_boxes(put_moving_boxes(lists.near_from, lists.near_way) + spent);
-  m_moving_search.update(m_moving_boxes, group, spent + rounding);
-  measure_ways(group, to, m_to_ways);
+  return search(lists.near, group);
+}
+
+bool BroadPhase::search(PairSet& set, PairGroup group) {
+  ++m_searches;
+  const Points end = set.measured_at + set.way;
+  measure_ways(seen(set.measured_at, group), seen(end, group), m_to_ways);
+  if (search(m_boxes, set, group))
+    return true;
+  if (!m_wide_boxes)
+    m_wide_boxes.reset(new Boxes<double>{{m_surface, m_threads}, {}});
+  return search(*m_wide_boxes, set, group);
+}
+
+template <class Scalar> bool BroadPhase::search(Boxes<Scalar>& boxes, PairSet& set, PairGroup group) {
+  const double spent = set.spent();
+  const bool sorted = &set == &lists(group).near;
+  const double rounding = rounding_of_boxes<Scalar>(boxes.place(set, m_surface) + spent);
+  boxes.trees.update(boxes.nodes, group, spent + rounding);
   const auto keep_near = [&](PairKind kind) -> Finish {
     return [&, kind](std::vector<CandidatePair>& pairs, std::size_t begin) {
       std::size_t kept = begin;
       for (std::size_t i = begin; i < pairs.size(); ++i) {
-        if (stay_apart(kind, pairs[i].nodes, m_moving_boxes, spent, rounding))
+        const QuickPair<Scalar> quick(kind, pairs[i].nodes, boxes.nodes);
+        const QuickGap gap = quick.between_middles(rounding);
+        if (gap.least > spent)
           continue;
-        measure(kind, group, from, distance, rounding, pairs[i]);
+        const bool enough = gap.start >= ENOUGH * set.distance;
+        const double known = enough ? gap.start : std::max(gap.start, quick.between_nearest(rounding));
+        measure(kind, group, set, known, pairs[i]);
         if (!m_to_ways.are_below(kind, pairs[i].nodes, pairs[i].apart - spent))
           pairs[kept++] = pairs[i];
       }
       pairs.resize(kept);
-      sort_pairs(pairs, begin);
+      if (sorted)
+        sort_pairs(pairs, begin);
     };
   };
-  return search(m_moving_search, keep_near, lists.near);
+  const std::size_t triangles = collect(
+      m_surface.points().size(), m_most_pairs,
+      [&](std::int32_t begin, std::int32_t end, std::vector<CandidatePair>& found) {
+        boxes.trees.add_triangles(begin, end, found);
+      },
+      keep_near(PairKind::point_triangle), set.pairs[static_cast<std::size_t>(PairKind::point_triangle)]);
+  const std::size_t room = m_most_pairs - std::min(triangles, m_most_pairs);
+  const std::size_t edges =
+      triangles > m_most_pairs
+          ? 0
+          : collect(
+                m_surface.edges().size(), room,
+                [&](std::int32_t begin, std::int32_t end, std::vector<CandidatePair>& found) {
+                  boxes.trees.add_edges(begin, end, found);
+                },
+                keep_near(PairKind::edge_edge), set.pairs[static_cast<std::size_t>(PairKind::edge_edge)]);
+  const bool fits = triangles + edges <= m_most_pairs;
+  for (std::vector<CandidatePair>& pairs : set.pairs) {
+    if (!fits)
+      pairs.clear();
+  }
+  return fits;
+}
+
+/// Boxes of nodes on their ways. Returns the largest coordinate, of a place or a way.
+template <class Scalar> double BroadPhase::Boxes<Scalar>::place(const PairSet& set, const Surface& surface) {
+  const std::vector<std::int32_t>& points = surface.points();
+  Vec3 origin = Vec3::Zero(); // of the scene, so that single precision tells its parts apart wherever it is
+  for (const std::int32_t node : points)
+    origin += set.from.row(node).transpose() / static_cast<double>(points.size());
+  nodes.resize(static_cast<std::size_t>(surface.node_count()));
+  double most = 0.0;
+  for (const std::int32_t node : points) {
+    Four<Scalar> at = Four<Scalar>::Zero();
+    Four<Scalar> way = Four<Scalar>::Zero();
+    for (int i = 0; i < 3; ++i) {
+      const double x = set.from(node, i) - origin[i];
+      at[i] = static_cast<Scalar>(x);
+      way[i] = static_cast<Scalar>(set.way(node, i));
+      most = std::max({most, std::abs(x), std::abs(set.way(node, i))});
+    }
+    nodes[static_cast<std::size_t>(node)] = MovingBoxOf<Scalar>::of(at, way);
+  }
+  return most;
 }
 
 std::size_t BroadPhase::pair_count() const {
   std::size_t count = 0;
   for (const Lists& lists : m_lists) {
-    for (const PairLists* pairs : {&lists.pairs, &lists.near})
-      count += (*pairs)[0].size() + (*pairs)[1].size();
+    for (const PairSet* set : {&lists.list, &lists.near})
+      count += set->pairs[0].size() + set->pairs[1].size();
   }
   return count;
 }
 
 std::size_t BroadPhase::memory_bytes() const {
-  std::size_t bytes = m_room_search.memory_bytes() + m_moving_search.memory_bytes();
-  bytes += m_moving_boxes.capacity() * sizeof(MovingBox);
+  std::size_t bytes = m_boxes.trees.memory_bytes() + m_boxes.nodes.capacity() * sizeof(MovingBox);
+  if (m_wide_boxes)
+    bytes += m_wide_boxes->trees.memory_bytes() + m_wide_boxes->nodes.capacity() * sizeof(WideMovingBox);
   for (const Lists& lists : m_lists) {
-    for (const PairLists* pairs : {&lists.pairs, &lists.near})
-      bytes += ((*pairs)[0].capacity() + (*pairs)[1].capacity()) * sizeof(CandidatePair);
-    for (const Points* points : {&lists.near_from, &lists.near_way, &lists.measured_at, &lists.near_measured_at})
-      bytes += static_cast<std::size_t>(points->size()) * sizeof(double);
-    bytes += lists.rooms.capacity() * sizeof(Box);
+    for (const PairSet* set : {&lists.list, &lists.near}) {
+      bytes += (set->pairs[0].capacity() + set->pairs[1].capacity()) * sizeof(CandidatePair);
+      bytes += static_cast<std::size_t>(set->from.size() + set->way.size() + set->measured_at.size()) * sizeof(double);
+    }
   }
   for (const std::vector<CandidatePair>& chunk : m_chunks)
     bytes += chunk.capacity() * sizeof(CandidatePair);

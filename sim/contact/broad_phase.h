@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "sim/base/parallel.h"
@@ -18,11 +19,12 @@ using ReachFunction = std::function<double(PairKind, const std::array<std::int32
 
 /// Finds all pairs that can come within a distance while nodes go straight ways.
 ///
-/// All nodes are taken to be about as far along their ways, each within a small ball around its place there. Pairs of
-/// one part are seen from its middle. What is asked for is found among the pairs of a longer list, while nodes go short
-/// ways: each node gets a room there, and the list holds while every node stays within its own. Long ways leave all
-/// rooms at once: for these, trees of boxes that move are searched. In these only the motion of boxes against each
-/// other counts, so that a part which tumbles meets itself no more often than one at rest.
+/// All nodes are taken to be about as far along their ways, each within a ball around its place there. Pairs of one
+/// part are seen from its middle. Trees of boxes that move are searched, in which only the motion of boxes against each
+/// other counts: a part that tumbles meets itself no more often than one at rest.
+///
+/// What is asked for, with small balls, is picked from a longer list with larger ones, whose ways go on for some steps
+/// where they are short. It holds while all nodes stay within theirs. Long ways are searched for themselves.
 ///
 /// Newton's iterations share one search where they can. Lists are the same on any number of threads; at most
 /// `most_pairs` are looked at of each group.
@@ -36,14 +38,15 @@ public:
   /// for.
   bool cover(const Points& from, const Points& to, double distance, double margin);
 
+  /// Where nodes go from here on, as far as one knows: lists are made along these ways.
+  void expect_ways(Points ways) { m_expected_ways = std::move(ways); }
+
   /// How far the nodes go at most, by coordinate, beside what the middle of their part goes [m].
-  double longest_way_within(const Points& from, const Points& to) const {
-    return longest_way(from, to, PairGroup::within_parts);
-  }
+  double longest_way_within(const Points& from, const Points& to) const;
 
   /// In the order of first, then second.
   const std::vector<CandidatePair>& pairs(PairGroup group, PairKind kind) const {
-    return lists(group).near[static_cast<std::size_t>(kind)];
+    return lists(group).near.pairs[static_cast<std::size_t>(kind)];
   }
   /// How far the nodes have come since the pairs' `apart` was measured.
   void measure_ways(PairGroup group, const Points& positions, Ways& out) const;
@@ -53,48 +56,52 @@ public:
 
 private:
   using PairLists = std::array<std::vector<CandidatePair>, 2>; ///< by kind
-  struct Lists {
-    bool needed = false; ///< some parts may meet so
-    // What pairs are picked from.
+  /// The pairs that can come within `distance` while all nodes are in balls around places equally far along their ways.
+  struct PairSet {
     bool valid = false;
     double distance = -1.0;
-    std::vector<Box> rooms; ///< per node of the surface, relative to `middles_of` its part
+    double ball = 0.0; ///< radius [m]
+    Points from, way;  ///< relative to the middles
     Points measured_at;
     PairLists pairs;
-    int served = 1 << 20; ///< how often pairs were picked from the last list
-    int unserved = 0;     ///< how often they might have been, had there been a list
-    // The pairs that are near.
-    bool near_valid = false;
-    bool near_is_picked = false; ///< from the list, which holds in its rooms only
-    double near_distance = -1.0;
-    double near_ball = 0.0;     ///< how far from places along the ways a node may be [m]
-    Points near_from, near_way; ///< relative to the middles: the ways around which nodes may be
-    Points near_measured_at;
-    PairLists near;
+    double spent() const { return distance + 2.0 * ball; } ///< how far apart two places must be for a pair not to count
+  };
+  struct Lists {
+    bool needed = false; ///< some parts may meet so
+    PairSet list;        ///< what the near ones are picked from
+    PairSet near;
+    bool near_is_picked = false; ///< and holds only where the list does
+    int served = 1 << 20;        ///< how often pairs were picked from the last list
+    int unserved = 0;            ///< how often they might have been, had there been a list
+  };
+  template <class Scalar> struct Boxes {
+    BoxSearch<MovingBoxOf<Scalar>> trees;
+    std::vector<MovingBoxOf<Scalar>> nodes; ///< of the surface
+    double place(const PairSet& set, const Surface& surface);
   };
   const Lists& lists(PairGroup group) const { return m_lists[static_cast<std::size_t>(group)]; }
   using Find = std::function<void(std::int32_t begin, std::int32_t end, std::vector<CandidatePair>&)>;
   /// Measures the pairs from `begin` on, and leaves out those that are not wanted.
   using Finish = std::function<void(std::vector<CandidatePair>&, std::size_t begin)>;
 
-  Points middles_of(const Points& positions, PairGroup group) const;
-  bool hold(const std::vector<Box>& rooms, PairGroup group, const Points& from, const Points& to) const;
-  bool hold(const std::vector<Box>& rooms, const Points& positions, const Points& middles) const;
-  double longest_way(const Points& from, const Points& to, PairGroup group) const;
-  bool is_near_valid_for(const Lists& lists, PairGroup group, const Points& positions) const;
-  bool cover_group(PairGroup group, const Points& from, const Points& to, double distance, double margin);
-  bool make_list(const Points& from, const Points& to, PairGroup group, double distance, double margin);
-  void give_rooms(const Points& from, const Points& to, PairGroup group, double margin);
-  bool search_rooms(PairGroup group, double distance);
-  void set_ways(const Points& from, const Points& to, PairGroup group, double distance);
-  void pick(const Points& from, const Points& to, PairGroup group);
-  double put_moving_boxes(const Points& places, const Points& ways);
-  bool search_moving(const Points& from, const Points& to, PairGroup group, double distance);
-  template <class AnyBox>
-  bool search(const BoxSearch<AnyBox>& boxes, const std::function<Finish(PairKind)>& finish, PairLists& out);
-  void measure(PairKind kind, PairGroup group, const Points& at, double distance, double rounding,
-               CandidatePair& pair) const;
-  void measure_ways(PairGroup group, const Points& since, const Points& positions, Ways& out) const;
+  /// Positions, and the middles of parts: zero where pairs are of two parts.
+  struct Placed {
+    const Points& positions;
+    Points middles;
+  };
+  Placed seen(const Points& positions, PairGroup group) const;
+  double longest_way(const Placed& from, const Placed& to) const;
+  bool holds(const PairSet& set, const Placed& at) const;
+  bool holds(const PairSet& set, const Placed& from, const Placed& to) const;
+  bool cover_group(PairGroup group, const Placed& from, const Placed& to, double distance, double margin);
+  void set_ways(PairSet& set, const Placed& from, const Placed& to, double distance) const;
+  void pick(PairGroup group, const Placed& from, const Placed& to);
+  bool make_list(PairGroup group, const Placed& from, const Placed& to, double distance, double margin);
+  bool search_near(PairGroup group, const Placed& from, const Placed& to, double distance);
+  bool search(PairSet& set, PairGroup group);
+  template <class Scalar> bool search(Boxes<Scalar>& boxes, PairSet& set, PairGroup group);
+  void measure(PairKind kind, PairGroup group, const PairSet& set, double known, CandidatePair& pair) const;
+  void measure_ways(const Placed& since, const Placed& now, Ways& out) const;
   void join_chunks(std::size_t count, std::vector<CandidatePair>& out);
   std::size_t collect(std::size_t count, std::size_t room, const Find& find, const Finish& finish,
                       std::vector<CandidatePair>& out);
@@ -104,11 +111,11 @@ private:
   std::size_t m_most_pairs;
   ReachFunction m_reach_within;
   int m_searches = 0;
+  Points m_expected_ways;                 ///< without rows before one knows
   std::array<Lists, 2> m_lists;           ///< by group
   std::vector<std::size_t> m_first_point; ///< per part, and one past the last
-  BoxSearch<Box> m_room_search;
-  BoxSearch<MovingBox> m_moving_search;
-  std::vector<MovingBox> m_moving_boxes; ///< per node
+  Boxes<float> m_boxes;
+  std::unique_ptr<Boxes<double>> m_wide_boxes; ///< once single precision has not been enough
   std::vector<std::vector<CandidatePair>> m_chunks;
   Ways m_from_ways, m_to_ways;
 };

@@ -46,7 +46,7 @@ std::vector<Crossing> find_crossings(const Surface& surface, const Points& posit
     for (std::size_t i = begin; i < end && found.size() < limit; ++i) {
       const Surface::Edge& edge = edges[i];
       const int part = surface.part_of_node(edge[0]);
-      tree.query(box_of(edge, positions), [&](std::int32_t j, const Box&) {
+      tree.query(box_of(edge, positions), [&](std::int32_t j) {
         const Surface::Triangle& t = triangles[j];
         if (!surface.meet(part, surface.part_of_node(t[0])) || share_node(edge, t))
           return;

@@ -8,95 +8,146 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <pmmintrin.h>
 
 #include "sim/contact/ccd.h"
 
 namespace wry::contact {
 
+template <class Scalar> using Four = Eigen::Array<Scalar, 4, 1>;
+
 /// Whether one of four numbers is above zero.
+inline bool any_positive(const Eigen::Array4d& numbers) {
+  return (numbers > 0.0).any();
+}
 inline bool any_positive(const Eigen::Array4f& numbers) {
-  typedef float Floats __attribute__((vector_size(16)));
-  typedef std::int64_t Halves __attribute__((vector_size(16)));
-  Floats lanes;
-  Eigen::Map<Eigen::Array4f, Eigen::Aligned16>(reinterpret_cast<float*>(&lanes)) = numbers;
-  const Halves positive = reinterpret_cast<Halves>(lanes > Floats{});
-  return (positive[0] | positive[1]) != 0;
+  return _mm_movemask_ps(_mm_cmpgt_ps(_mm_load_ps(numbers.data()), _mm_setzero_ps())) != 0;
+}
+inline bool all_below(const Eigen::Array4f& numbers, float limit) {
+  return _mm_movemask_ps(_mm_cmplt_ps(_mm_load_ps(numbers.data()), _mm_set1_ps(limit))) == 15;
 }
 
-/// A box whose contents go straight ways, all in the same time from 0 to 1: in single precision, so that who searches
-/// has to grow boxes by what rounding may do, `rounding_of_boxes`. The fourth entries are zero.
-struct MovingBox {
-  Eigen::Array4f low, high;         ///< around all places at time 0 [m]
-  Eigen::Array4f way_low, way_high; ///< around all ways [m]
+/// A box whose contents go straight ways, all in the same time from 0 to 1. Who searches has to grow boxes by what
+/// rounding may do, `rounding_of_boxes`. The fourth entries are zero.
+template <class Scalar> struct MovingBoxOf {
+  Four<Scalar> low, high;         ///< around all places at time 0 [m]
+  Four<Scalar> way_low, way_high; ///< around all ways [m]
 
-  static MovingBox of(const Eigen::Array4f& place, const Eigen::Array4f& way) { return {place, place, way, way}; }
+  static MovingBoxOf of(const Four<Scalar>& place, const Four<Scalar>& way) { return {place, place, way, way}; }
 
   /// Whether they may overlap at some time, as far as each axis tells. What moves along with each other only meets
   /// where it met before, however far both go.
-  bool meets(const MovingBox& other) const {
-    const Eigen::Array4f below = other.low - high + (other.way_low - way_high).min(0.0F);
-    const Eigen::Array4f above = low - other.high + (way_low - other.way_high).min(0.0F);
-    return !any_positive(below.max(above));
+  bool meets(const MovingBoxOf& other) const {
+    const Four<Scalar> below = other.low - high + (other.way_low - way_high).min(Scalar(0));
+    const Four<Scalar> above = low - other.high + (way_low - other.way_high).min(Scalar(0));
+    return !any_positive(Four<Scalar>(below.max(above)));
   }
-  void include(const MovingBox& other) {
+  void include(const MovingBoxOf& other) {
     low = low.min(other.low);
     high = high.max(other.high);
     way_low = way_low.min(other.way_low);
     way_high = way_high.max(other.way_high);
   }
   void grow(double by) {
-    low -= static_cast<float>(by);
-    high += static_cast<float>(by);
+    low -= static_cast<Scalar>(by);
+    high += static_cast<Scalar>(by);
   }
 };
 
+/// In single precision four numbers are looked at together. Where a scene is so large that it tells nothing: double.
+using MovingBox = MovingBoxOf<float>;
+using WideMovingBox = MovingBoxOf<double>;
+
 /// The direction between the middles of a pair's primitives, not of unit length.
-inline Eigen::Array4f middle_axis(PairKind kind, const std::array<Eigen::Array4f, 4>& places) {
-  const float share = kind == PairKind::edge_edge ? 1.0F : -1.0F; // the second point is of the first edge
-  return (2.0F - share) * places[0] + share * places[1] - places[2] - places[3];
+template <class Scalar> Four<Scalar> middle_axis(PairKind kind, const std::array<Four<Scalar>, 4>& places) {
+  const Scalar share = kind == PairKind::edge_edge ? Scalar(1) : Scalar(-1); // the second point is of the first edge
+  return (Scalar(2) - share) * places[0] + share * places[1] - places[2] - places[3];
 }
 
-/// The gap between primitives along an axis, times its length.
-inline float gap_along(PairKind kind, const Eigen::Array4f& axis, const std::array<Eigen::Array4f, 4>& places) {
-  std::array<float, 4> along;
-  for (std::size_t k = 0; k < 4; ++k)
-    along[k] = (axis * places[k]).sum();
-  const float beyond = std::max(along[2], along[3]);
-  return kind == PairKind::edge_edge ? std::min(along[0], along[1]) - beyond : along[0] - std::max(along[1], beyond);
+template <class Scalar> Four<Scalar> sums_of(const std::array<Four<Scalar>, 4>& terms) {
+  return {terms[0].sum(), terms[1].sum(), terms[2].sum(), terms[3].sum()};
+}
+inline Eigen::Array4f sums_of(const std::array<Eigen::Array4f, 4>& terms) {
+  const auto load = [&](std::size_t k) { return _mm_load_ps(terms[k].data()); };
+  Eigen::Array4f sums;
+  _mm_store_ps(sums.data(), _mm_hadd_ps(_mm_hadd_ps(load(0), load(1)), _mm_hadd_ps(load(2), load(3))));
+  return sums;
 }
 
-/// What a pair's distance is at least at the start, as the direction between its middles tells: a quick answer.
-/// `nodes` are boxes of single points; `rounding` is what it may take off a gap [m].
-inline double middle_distance(PairKind kind, const std::array<std::int32_t, 4>& pair,
-                              const std::vector<MovingBox>& nodes, double rounding) {
-  std::array<Eigen::Array4f, 4> places;
-  for (std::size_t k = 0; k < 4; ++k)
-    places[k] = nodes[static_cast<std::size_t>(pair[k])].low;
-  const Eigen::Array4f axis = middle_axis(kind, places);
-  const float length = std::sqrt(axis.square().sum());
-  return length > 0.0F ? static_cast<double>(gap_along(kind, axis, places) / length) * (1.0 - 1e-6) - rounding : 0.0;
+/// The products of four places with an axis.
+template <class Scalar> Four<Scalar> along(const Four<Scalar>& axis, const std::array<Four<Scalar>, 4>& places) {
+  return sums_of(std::array<Four<Scalar>, 4>{axis * places[0], axis * places[1], axis * places[2], axis * places[3]});
+}
+template <class Scalar> Four<Scalar> squares_of(const std::array<Four<Scalar>, 4>& ways) {
+  return sums_of(std::array<Four<Scalar>, 4>{ways[0].square(), ways[1].square(), ways[2].square(), ways[3].square()});
 }
 
-/// Whether a pair stays farther apart than `distance` all the time, as that direction tells.
-inline bool stay_apart(PairKind kind, const std::array<std::int32_t, 4>& pair, const std::vector<MovingBox>& nodes,
-                       double distance, double rounding) {
-  std::array<Eigen::Array4f, 4> start, end;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const MovingBox& node = nodes[static_cast<std::size_t>(pair[k])];
-    start[k] = node.low;
-    end[k] = node.low + node.way_low;
+/// The gap between primitives whose points lie so along an axis.
+template <class Scalar> Scalar gap_of(PairKind kind, const Four<Scalar>& points) {
+  const Scalar beyond = std::max(points[2], points[3]);
+  return kind == PairKind::edge_edge ? std::min(points[0], points[1]) - beyond
+                                     : points[0] - std::max(points[1], beyond);
+}
+
+/// How far apart a pair is at least [m], as one direction tells: a quick answer. Below zero where it tells nothing.
+struct QuickGap {
+  double start = -1.0;
+  double least = -1.0; ///< all the time
+};
+
+/// Places and ways of a pair's points, from boxes of single points.
+template <class Scalar> class QuickPair {
+public:
+  QuickPair(PairKind kind, const std::array<std::int32_t, 4>& pair, const std::vector<MovingBoxOf<Scalar>>& nodes)
+      : m_kind(kind) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      m_places[k] = nodes[static_cast<std::size_t>(pair[k])].low;
+      m_ways[k] = nodes[static_cast<std::size_t>(pair[k])].way_low;
+    }
   }
-  const Eigen::Array4f axis = middle_axis(kind, start);
-  const float gap = std::min(gap_along(kind, axis, start), gap_along(kind, axis, end));
-  return gap > (distance + rounding) * std::sqrt(axis.square().sum()) * (1.0 + 1e-6);
-}
+
+  /// Along the direction between the middles at the start. `rounding` is what it may take off a gap [m].
+  QuickGap between_middles(double rounding) const {
+    const Four<Scalar> axis = middle_axis(m_kind, m_places);
+    const Scalar length = std::sqrt(axis.square().sum());
+    if (!(length > Scalar(0)))
+      return {};
+    const Four<Scalar> start = along(axis, m_places);
+    const Four<Scalar> end = start + along(axis, m_ways);
+    // Between start and end the gap is the least of linear functions: never below both.
+    const Scalar at_start = gap_of<Scalar>(m_kind, start);
+    const Scalar least = std::min(at_start, gap_of<Scalar>(m_kind, end));
+    return {shrunk(at_start / length, rounding), shrunk(least / length, rounding)};
+  }
+
+  /// At the start, along the direction between the two nearest points: it tells most where primitives lie side by side.
+  double between_nearest(double rounding) const {
+    const bool edges = m_kind == PairKind::edge_edge;
+    const Four<Scalar>& other = m_places[edges ? 1 : 0];
+    const std::array<Four<Scalar>, 4> ways = {m_places[0] - m_places[2], m_places[0] - m_places[3],
+                                              other - m_places[edges ? 2 : 1], other - m_places[3]};
+    const Four<Scalar> squares = squares_of(ways);
+    int nearest = 0;
+    const Scalar squared = squares.minCoeff(&nearest);
+    if (!(squared > Scalar(0)))
+      return -1.0;
+    const Four<Scalar> points = along(ways[static_cast<std::size_t>(nearest)], m_places);
+    return shrunk(gap_of<Scalar>(m_kind, points) / std::sqrt(squared), rounding);
+  }
+
+private:
+  static double shrunk(Scalar gap, double rounding) { return static_cast<double>(gap) * (1.0 - 1e-6) - rounding; }
+
+  PairKind m_kind;
+  std::array<Four<Scalar>, 4> m_places, m_ways;
+};
 
 /// What rounding takes off gaps of places and ways up to so much by coordinate [m]. With u, half a unit: between boxes,
-/// each of eight numbers and five operations on at most four times as much is off by u: 13 u of `most`. Along an axis,
-/// a place at the end is off by 4 u per coordinate and sqrt(3) times that along it, its product with the axis by 4 u of
-/// at most 3.5 times as much; both sides and their difference: 49 u.
-inline double rounding_of_boxes(double most) {
-  return 64.0 * 5.9604645e-8 * most;
+/// each of eight numbers and five operations on at most four times as much is off by u: 13 u of `most`. Along an axis
+/// of length one, places and ways are off by u per coordinate, which is 3.5 u together, their products by 3 u of at
+/// most 1.8 times as much each, their sum by u of 3.5 times: 18 u; both sides and their difference: 43 u.
+template <class Scalar> double rounding_of_boxes(double most) {
+  return 32.0 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * most;
 }
 
 } // namespace wry::contact

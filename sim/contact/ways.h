@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/contact/ccd.h"
+#include "sim/contact/moving_box.h"
 #include "sim/contact/surface.h"
 
 namespace wry::contact {
@@ -23,17 +24,12 @@ public:
     const float least = static_cast<float>(limit) * (1.0F - 1e-6F) - m_rounding;
     if (!(least > 0.0F))
       return false;
-    const float squared = least * least;
-    const Eigen::Array4f& a = m_ways[static_cast<std::size_t>(nodes[0])];
-    const Eigen::Array4f& b = m_ways[static_cast<std::size_t>(nodes[1])];
-    const Eigen::Array4f& c = m_ways[static_cast<std::size_t>(nodes[2])];
-    const Eigen::Array4f& d = m_ways[static_cast<std::size_t>(nodes[3])];
-    const auto near = [squared](const Eigen::Array4f& p, const Eigen::Array4f& q) {
-      return (p - q).square().sum() < squared;
-    };
-    if (kind == PairKind::edge_edge)
-      return near(a, c) && near(a, d) && near(b, c) && near(b, d);
-    return near(a, b) && near(a, c) && near(a, d);
+    const auto way = [&](std::size_t k) -> const Eigen::Array4f& { return m_ways[static_cast<std::size_t>(nodes[k])]; };
+    const bool edges = kind == PairKind::edge_edge;
+    const Eigen::Array4f& other = way(edges ? 1 : 0); // of a point, its way to a third corner counts twice
+    const Eigen::Array4f squares = squares_of(
+        std::array<Eigen::Array4f, 4>{way(0) - way(2), way(0) - way(3), other - way(edges ? 2 : 1), other - way(3)});
+    return all_below(squares, least * least);
   }
 
 private:

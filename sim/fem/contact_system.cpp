@@ -22,12 +22,12 @@ constexpr double KEPT_SHARE = 0.3;
 constexpr double ROUNDING_UNITS = 32.0;
 /// Pairs of one body that are near each other at rest feel each other only below this share of their rest distance.
 constexpr double REST_SHARE = 0.5;
-/// Nodes get this share of the mean edge to move in before candidates are searched again: a search costs as much as
-/// looking through some twenty lists, and longer lists are not much longer.
-constexpr double ROOM_SHARE = 0.25;
+/// Nodes may be this share of the mean edge off their expected ways before candidates are searched again: a search
+/// costs as much as looking through some fifteen lists, and longer lists are not much longer.
+constexpr double ROOM_SHARE = 0.2;
 /// Ways that bend a body by more rooms than this are not asked for whole: a direction along negative curvature has no
 /// length of its own, and its list would be of everything with everything.
-constexpr double MOST_ROOMS = 64.0;
+constexpr double MOST_ROOMS = 80.0;
 /// No barrier becomes stiffer than so many times what was chosen from the scene: beyond, Newton only gets stuck.
 constexpr double MOST_STIFFENING = 65536.0;
 constexpr std::size_t GRAIN = 2048;
@@ -280,6 +280,13 @@ void ContactSystem::begin_step(double start_time, double end_time) {
     return;
   pose_obstacles(end_time, m_obstacle_end);
   m_obstacle_share = m_obstacle_end == m_obstacle_start ? 1.0 : 0.0;
+}
+
+void ContactSystem::expect_ways(const Points& ways) {
+  Points all(m_surface.node_count(), 3);
+  all.topRows(m_unknown_nodes) = ways;
+  all.bottomRows(m_obstacle_start.rows()) = m_obstacle_end - m_obstacle_start;
+  m_broad_phase->expect_ways(std::move(all));
 }
 
 double ContactSystem::advance_obstacles(const Points& positions) {

@@ -35,6 +35,8 @@ public:
 
   /// Obstacles go back to where they are at the start of the step, and are to go to where they are at its end.
   void begin_step(double start_time, double end_time);
+  /// How far nodes are expected to go per step from here on [m]: saves searches, and changes no result.
+  void expect_ways(const Points& ways);
   /// Moves obstacles as far along their way as is safe. Returns the share of the way that is left.
   double advance_obstacles(const Points& positions);
 

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/contact/distance.h"
+
 namespace wry::contact {
 namespace {
 
@@ -24,7 +26,7 @@ std::vector<Box> boxes_about(const std::vector<std::array<double, 3>>& places, d
 std::vector<std::int32_t> found(const BoxTree& tree, const Box& query, std::int32_t after = -1) {
   std::vector<std::int32_t> indices;
   tree.query(
-      query, [&](std::int32_t index, const Box&) { indices.push_back(index); }, after);
+      query, [&](std::int32_t index) { indices.push_back(index); }, after);
   std::sort(indices.begin(), indices.end());
   return indices;
 }
@@ -88,6 +90,7 @@ bool overlap_at(const MovingBox& a, const MovingBox& b, float time) {
 TEST(MovingTree, MissesNoBoxThatIsMetAtAnyTimeAndSparesWhatMovesAlong) {
   std::mt19937 random(7);
   std::vector<MovingBox> boxes;
+  boxes.reserve(600);
   for (int i = 0; i < 600; ++i)
     boxes.push_back(moving(random, 0.05, 0.4));
   MovingTree tree;
@@ -96,7 +99,7 @@ TEST(MovingTree, MissesNoBoxThatIsMetAtAnyTimeAndSparesWhatMovesAlong) {
   std::size_t found = 0;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     std::vector<char> seen(boxes.size(), 0);
-    tree.query(boxes[i], [&](std::int32_t j, const MovingBox&) { seen[static_cast<std::size_t>(j)] = 1; });
+    tree.query(boxes[i], [&](std::int32_t j) { seen[static_cast<std::size_t>(j)] = 1; });
     for (std::size_t j = 0; j < boxes.size(); ++j) {
       bool meets = false;
       for (int k = 0; k <= 16; ++k)
@@ -115,9 +118,76 @@ TEST(MovingTree, MissesNoBoxThatIsMetAtAnyTimeAndSparesWhatMovesAlong) {
   EXPECT_FALSE(boxes[0].meets(along));
 }
 
+TEST(BoxPack, MeetsWhatEachOfItsBoxesMeets) {
+  std::mt19937 random(13);
+  int met = 0;
+  for (int round = 0; round < 400; ++round) {
+    BoxPack<MovingBox> pack;
+    MovingBox whole;
+    std::array<MovingBox, 4> boxes;
+    const int count = 1 + round % 4;
+    for (int lane = 0; lane < count; ++lane) {
+      boxes[static_cast<std::size_t>(lane)] = moving(random, 0.3, 0.4);
+      pack.put(lane, boxes[static_cast<std::size_t>(lane)]);
+      if (lane == 0)
+        whole = boxes[0];
+      whole.include(boxes[static_cast<std::size_t>(lane)]);
+    }
+    const MovingBox query = moving(random, 0.3, 0.4);
+    for (int lane = 0; lane < 4; ++lane) {
+      const bool meets = lane < count && boxes[static_cast<std::size_t>(lane)].meets(query);
+      EXPECT_EQ((pack.meeting(query) >> lane) & 1U, meets ? 1U : 0U) << lane << " of " << count;
+      met += meets ? 1 : 0;
+    }
+    EXPECT_TRUE((pack.whole().low == whole.low).all() && (pack.whole().high == whole.high).all());
+    EXPECT_TRUE((pack.whole().way_low == whole.way_low).all() && (pack.whole().way_high == whole.way_high).all());
+  }
+  EXPECT_GT(met, 30);
+}
+
+/// Pairs of points that are near each other, and go ways as long.
+template <class Scalar> void expect_no_quick_gap_is_too_large() {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<Scalar> number(Scalar(-1), Scalar(1));
+  const auto triple = [&] { return Four<Scalar>(number(random), number(random), number(random), Scalar(0)); };
+  int told = 0;
+  for (int round = 0; round < 3000; ++round) {
+    std::vector<MovingBoxOf<Scalar>> nodes;
+    nodes.reserve(4);
+    for (int k = 0; k < 4; ++k)
+      nodes.push_back(MovingBoxOf<Scalar>::of(triple(), triple()));
+    const double rounding = rounding_of_boxes<Scalar>(1.0);
+    for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
+      const QuickPair<Scalar> quick(kind, {0, 1, 2, 3}, nodes);
+      const auto distance_at = [&](double time) {
+        PairPoints points;
+        for (int k = 0; k < 4; ++k) {
+          const MovingBoxOf<Scalar>& node = nodes[static_cast<std::size_t>(k)];
+          points.row(k) =
+              (node.low.template cast<double>() + time * node.way_low.template cast<double>()).template head<3>();
+        }
+        return std::sqrt(squared_distance(kind, points));
+      };
+      const QuickGap gap = quick.between_middles(rounding);
+      EXPECT_LE(gap.start, distance_at(0.0));
+      EXPECT_LE(quick.between_nearest(rounding), distance_at(0.0));
+      for (int step = 0; step <= 8; ++step)
+        EXPECT_LE(gap.least, distance_at(step / 8.0));
+      told += gap.least > 0.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(told, 300);
+}
+
+TEST(QuickPair, IsNeverFartherApartThanThePairIs) {
+  expect_no_quick_gap_is_too_large<float>();
+  expect_no_quick_gap_is_too_large<double>();
+}
+
 TEST(MovingTree, AGroupOfBoxesFindsWhatEachOfThemFinds) {
   std::mt19937 random(11);
   std::vector<MovingBox> boxes;
+  boxes.reserve(300);
   for (int i = 0; i < 300; ++i)
     boxes.push_back(moving(random, 0.1, 0.2));
   MovingTree tree;
@@ -132,7 +202,7 @@ TEST(MovingTree, AGroupOfBoxesFindsWhatEachOfThemFinds) {
              [&](int which, std::int32_t j) { together[static_cast<std::size_t>(which)].push_back(j); });
   for (std::size_t which = 0; which < 3; ++which) {
     tree.query(
-        group[which], [&](std::int32_t j, const MovingBox&) { alone[which].push_back(j); }, after[which]);
+        group[which], [&](std::int32_t j) { alone[which].push_back(j); }, after[which]);
     std::sort(together[which].begin(), together[which].end());
     std::sort(alone[which].begin(), alone[which].end());
     EXPECT_FALSE(alone[which].empty());

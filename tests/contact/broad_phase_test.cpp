@@ -109,7 +109,7 @@ TEST(BroadPhase, IsReusedWhileNodesKeepTheirRooms) {
   BroadPhase broad(sheets.surface, threads, 1'000'000);
   ASSERT_TRUE(broad.cover(sheets.positions, sheets.positions, 0.02, 0.01));
   Points moved = sheets.positions;
-  moved.array() += 0.009;
+  moved.array() += 0.005;
   ASSERT_TRUE(broad.cover(sheets.positions, moved, 0.02, 0.01));
   EXPECT_EQ(broad.searches(), 1);
   moved(5, 1) += 0.012;
@@ -191,16 +191,75 @@ TEST(BroadPhase, KeepsTheListOfABodyThatFlies) {
   const Threads threads(1);
   BroadPhase broad(alone, threads, 1'000'000);
   Points start = sheets.positions.topRows(81);
-  ASSERT_TRUE(broad.cover(start, start, 0.02, 0.01));
+  ASSERT_TRUE(broad.cover(start, start, 0.1, 0.01));
   const std::size_t pairs = broad.pair_count();
   EXPECT_GT(pairs, 0u);
   Points flown = start;
   flown.rowwise() += Eigen::RowVector3d(40.0, -3.0, 7.0);
-  ASSERT_TRUE(broad.cover(start, flown, 0.02, 0.01));
+  ASSERT_TRUE(broad.cover(start, flown, 0.1, 0.01));
   EXPECT_EQ(broad.searches(), 1);
   flown(40, 1) += 0.1; // and folds: now the list does not hold
-  ASSERT_TRUE(broad.cover(flown, flown, 0.02, 0.01));
+  ASSERT_TRUE(broad.cover(flown, flown, 0.1, 0.01));
   EXPECT_EQ(broad.searches(), 2);
+}
+
+void expect_all_near(const BroadPhase& broad, const Sheets& sheets, const Points& at, double distance,
+                     std::size_t& count) {
+  for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
+    const std::set<Key> all = near_pairs(all_pairs(sheets.surface, kind), kind, at, distance);
+    EXPECT_EQ(near_pairs(pairs_of(broad, kind), kind, at, distance), all);
+    count += all.size();
+  }
+}
+
+TEST(BroadPhase, AListMadeAlongTheExpectedWaysServesTheStepsToCome) {
+  const Sheets sheets(3);
+  const Threads threads(1);
+  Points step = Points::Zero(sheets.positions.rows(), 3);
+  step.middleRows(81, 81).col(1).array() -= 0.011;
+  Points correction = 0.001 * Points::Ones(step.rows(), 3);
+  correction.topRows(81) *= -1.0;
+  BroadPhase blind(sheets.surface, threads, 1'000'000);
+  BroadPhase seeing(sheets.surface, threads, 1'000'000);
+  seeing.expect_ways(step);
+  std::size_t count = 0;
+  for (int i = 0; i < 5; ++i) {
+    const Points from = sheets.positions + i * step + correction;
+    for (BroadPhase* broad : {&blind, &seeing}) {
+      ASSERT_TRUE(broad->cover(from, from - correction, 0.06, 0.01));
+      expect_all_near(*broad, sheets, from - 0.5 * correction, 0.06, count);
+    }
+  }
+  EXPECT_GT(count, 100u);
+  EXPECT_EQ(seeing.searches(), 1);
+  EXPECT_GT(blind.searches(), 1);
+}
+
+TEST(BroadPhase, MissesNoPairOnAWalkOfStepsAndCorrections) {
+  Sheets sheets(2, 6);
+  const Threads threads(1);
+  BroadPhase broad(sheets.surface, threads, 1'000'000);
+  Points x = sheets.positions;
+  std::size_t count = 0;
+  for (int i = 0; i < 60; ++i) {
+    Points way(x.rows(), 3);
+    for (Eigen::Index node = 0; node < x.rows(); ++node) {
+      const double phase = 0.7 * static_cast<double>(node) + 0.3 * i;
+      const Eigen::RowVector3d shake(std::sin(phase), std::cos(1.3 * phase), std::sin(2.1 * phase));
+      way.row(node) = 0.002 * shake + Eigen::RowVector3d(0.01, node < 49 ? 0.002 : -0.003, 0.0);
+    }
+    if (i % 3 == 1)
+      way *= 0.1; // as a correction of Newton's
+    if (i % 7 == 0)
+      broad.expect_ways(i % 2 == 0 ? Points(-way) : way);
+    const Points to = x + way;
+    ASSERT_TRUE(broad.cover(x, to, 0.03, 0.01));
+    for (const double t : {0.0, 0.4, 1.0})
+      expect_all_near(broad, sheets, (1.0 - t) * x + t * to, 0.03, count);
+    x = to;
+  }
+  EXPECT_GT(count, 1000u);
+  EXPECT_LT(broad.searches(), 40);
 }
 
 TEST(BroadPhase, IsTheSameOnAnyNumberOfThreads) {

@@ -132,6 +132,9 @@ public:
     m_assembled_at.resize(0, 3);
     m_settled_share = SETTLED_SHARE;
   }
+  void begin_solve(const Stage& stage, const Trial& trial) override {
+    m_system.expect_ways(stage.dt * trial.velocities);
+  }
   double advance_prescribed(const Trial& trial) override { return m_system.advance_obstacles(trial.positions); }
 
   double energy(const Stage&, const Trial& trial) const override {
