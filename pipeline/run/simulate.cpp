@@ -400,14 +400,15 @@ Result<SimulateOutcome> SimulationRun::make_grains_again() {
   return m_outcome;
 }
 
-/// Says which key made the frames that are there stale.
-void explain_stale(const shots::Shot& shot, const fs::path& out, std::size_t stale) {
+/// Says which key made the frames that are there stale. Both shots are as the folder has them, so that an asset goes by
+/// the same name in both.
+void explain_stale(const shots::Shot& shot, const Result<shots::Shot>& before, const Result<shots::Shot>& now,
+                   std::size_t stale) {
   fmt::print(stderr, "{}: {} cached frames were made from other inputs and are made again\n", *shot.shot.name, stale);
-  const Result<shots::Shot> before = shots::load_shot((out / "shot.toml").string());
-  if (!before)
+  if (!before || !now)
     return;
   int shown = 0;
-  for (const shots::KeyChange& change : shots::compare(shots::flatten(*before), shots::flatten(shot))) {
+  for (const shots::KeyChange& change : shots::compare(shots::flatten(*before), shots::flatten(*now))) {
     if (change.effect != shots::Effect::simulation || ++shown > 5)
       continue;
     fmt::print(stderr, "  {}: {} -> {}\n", change.key, change.before.empty() ? "(absent)" : change.before,
@@ -477,12 +478,12 @@ Result<SimulateOutcome> simulate(const shots::Shot& shot, const ScenePlan& plan,
     if (Status status = checkpoints->discard_all(); !status)
       return status.error();
   }
-  if (const std::size_t stale = cache->stale_frames().size(); stale > 0)
-    explain_stale(shot, options.out, stale);
-  if (Status status =
-          write_file_atomically(options.out / "shot.toml", shots::write_resolved(shot, options.out.string()));
-      !status)
+  const std::string resolved = (options.out / "shot.toml").string();
+  const Result<shots::Shot> before = shots::load_shot(resolved);
+  if (Status status = write_file_atomically(resolved, shots::write_resolved(shot, options.out.string())); !status)
     return status.error();
+  if (const std::size_t stale = cache->stale_frames().size(); stale > 0)
+    explain_stale(shot, before, shots::load_shot(resolved), stale);
   if (Status status = write_file_atomically(options.out / "plan.json", plan_json(plan)); !status)
     return status.error();
   return SimulationRun(plan, options, std::move(*cache), std::move(*checkpoints), std::move(*fields)).go();

@@ -196,5 +196,13 @@ TEST_F(GrainMesh, WhatIsNoMeshIsRefusedWithItsLine) {
   EXPECT_THAT(both.err, HasSubstr("keep one of the two"));
 }
 
+TEST_F(GrainMesh, OfWhatMadeFramesStaleOnlyTheChangedKeyIsNamed) {
+  ASSERT_EQ(wry("simulate").exit_code, 0);
+  const Outcome again = wry("simulate", {"--set", "mpm.cell_size=0.03"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_THAT(again.err, HasSubstr("mpm.cell_size: 0.025 -> 0.03"));
+  EXPECT_THAT(again.err, testing::Not(HasSubstr("wedge.ply"))) << "the mesh is the same, seen from another folder";
+}
+
 } // namespace
 } // namespace wry::cli_test
