@@ -196,17 +196,5 @@ TEST_F(GrainMesh, WhatIsNoMeshIsRefusedWithItsLine) {
   EXPECT_THAT(both.err, HasSubstr("keep one of the two"));
 }
 
-TEST_F(GrainMesh, OfWhatMadeFramesStaleOnlyTheChangedKeyIsNamed) {
-  const TemporaryFolder elsewhere;
-  const std::vector<std::string> words = {"simulate", "heap.toml", "--out", (elsewhere.path() / "o").string()};
-  ASSERT_EQ(run_wry(words, m_folder.path()).exit_code, 0);
-  std::vector<std::string> coarser = words;
-  coarser.insert(coarser.end(), {"--set", "mpm.cell_size=0.03"});
-  const Outcome again = run_wry(coarser, m_folder.path());
-  ASSERT_EQ(again.exit_code, 0) << again.err;
-  EXPECT_THAT(again.err, HasSubstr("mpm.cell_size: 0.025 -> 0.03"));
-  EXPECT_THAT(again.err, testing::Not(HasSubstr("wedge.ply"))) << "the mesh is the same, seen from another folder";
-}
-
 } // namespace
 } // namespace wry::cli_test

@@ -117,6 +117,22 @@ TEST_F(Run, AChangedValueNamesTheKeyThatMadeTheFramesStale) {
   EXPECT_NE(frame_hashes(out("a")), before);
 }
 
+TEST_F(Run, AMeshThatDidNotChangeIsNotNamedThoughTheFolderIsElsewhere) {
+  write_text(m_folder.path() / "tile.obj", "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 3 2\nf 1 4 3\n");
+  write_text(shot(), small_shot() + "[[collider]]\nname = \"tile\"\nmesh = \"tile.obj\"\ntranslate = [0, 0.01, 0]\n");
+  const TemporaryFolder elsewhere;
+  const auto simulate_there = [&](const std::string& set) {
+    return run_wry(
+        {"simulate", "bar.toml", "--out", (elsewhere.path() / "o").string(), "--frames", "1-2", "--set", set},
+        m_folder.path());
+  };
+  ASSERT_EQ(simulate_there("material.soft.poisson_ratio=0.3").exit_code, 0);
+  const Outcome again = simulate_there("material.soft.poisson_ratio=0.2");
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.err.find("material.soft.poisson_ratio: 0.3 -> 0.2"), std::string::npos) << again.err;
+  EXPECT_EQ(again.err.find("tile.obj"), std::string::npos) << again.err;
+}
+
 TEST_F(Run, AChangedPictureKeyKeepsTheFrames) {
   ASSERT_EQ(simulate("a", {"--frames", "1-3"}).exit_code, 0);
   const Outcome changed = simulate("a", {"--frames", "1-3", "--set", "render.exposure=1"});
