@@ -34,7 +34,7 @@ section{background:var(--card);border:1px solid var(--line);border-radius:8px;pa
 #grid{overflow-x:auto}
 #cells{display:grid;gap:6px;width:max-content}
 #cells.flow{display:flex;flex-wrap:wrap;width:auto}
-.head{align-self:center;text-align:center;max-width:110px;overflow-wrap:anywhere;color:var(--muted);font-variant-numeric:tabular-nums;padding:2px 6px}
+.head{align-self:center;text-align:center;max-width:150px;overflow-wrap:anywhere;color:var(--muted);font-variant-numeric:tabular-nums;padding:2px 6px}
 .wedge{border:2px solid transparent;border-radius:6px;padding:2px;cursor:pointer;background:none;text-align:left;position:relative}
 .wedge.chosen{border-color:var(--accent)}
 .wedge .caption{display:block;font-size:11px;color:var(--muted);overflow:hidden;text-overflow:ellipsis;white-space:nowrap}
@@ -45,6 +45,7 @@ section{background:var(--card);border:1px solid var(--line);border-radius:8px;pa
 table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}
 th,td{text-align:left;padding:3px 8px;border-bottom:1px solid var(--line);vertical-align:top}
 th{color:var(--muted);font-weight:500;cursor:pointer;white-space:nowrap}
+td:first-child{white-space:nowrap}
 td.reason{white-space:pre-wrap;overflow-wrap:anywhere}
 .scroll{overflow-x:auto}
 .plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(300px,1fr));gap:12px}
