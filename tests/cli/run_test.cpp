@@ -118,8 +118,11 @@ TEST_F(Run, AChangedValueNamesTheKeyThatMadeTheFramesStale) {
 }
 
 TEST_F(Run, AMeshThatDidNotChangeIsNotNamedThoughTheFolderIsElsewhere) {
-  write_text(m_folder.path() / "tile.obj", "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 3 2\nf 1 4 3\n");
-  write_text(shot(), small_shot() + "[[collider]]\nname = \"tile\"\nmesh = \"tile.obj\"\ntranslate = [0, 0.01, 0]\n");
+  write_text(m_folder.path() / "tile.ply",
+             "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+             "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+             "-1 0 -1\n1 0 -1\n1 0 1\n-1 0 1\n3 0 2 1\n3 0 3 2\n");
+  write_text(shot(), small_shot() + "[[collider]]\nname = \"tile\"\nmesh = \"tile.ply\"\ntranslate = [0, 0.01, 0]\n");
   const TemporaryFolder elsewhere;
   const auto simulate_there = [&](const std::string& set) {
     return run_wry(
@@ -130,7 +133,7 @@ TEST_F(Run, AMeshThatDidNotChangeIsNotNamedThoughTheFolderIsElsewhere) {
   const Outcome again = simulate_there("material.soft.poisson_ratio=0.2");
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_NE(again.err.find("material.soft.poisson_ratio: 0.3 -> 0.2"), std::string::npos) << again.err;
-  EXPECT_EQ(again.err.find("tile.obj"), std::string::npos) << again.err;
+  EXPECT_EQ(again.err.find("tile.ply"), std::string::npos) << again.err;
 }
 
 TEST_F(Run, AChangedPictureKeyKeepsTheFrames) {
