@@ -32,10 +32,6 @@ constexpr std::size_t PICK_GRAIN = 2048;
 /// Numbers that are kept in single precision are moved by this share to the safe side.
 constexpr float SINGLE_SLACK = 1e-6F;
 
-template <class Primitive> bool has_node(const Primitive& primitive, std::int32_t node) {
-  return std::find(primitive.begin(), primitive.end(), node) != primitive.end();
-}
-
 /// A plane across the way between the nearest points shows how far apart they are at least, whatever was rounded in
 /// finding it.
 double proven_distance(PairKind kind, const PairPoints& points) {
@@ -59,13 +55,6 @@ void sort_pairs(std::vector<CandidatePair>& pairs, std::size_t begin) {
             [](const CandidatePair& a, const CandidatePair& b) {
               return a.first != b.first ? a.first < b.first : a.second < b.second;
             });
-}
-
-PairPoints gather(const Points& x, const std::array<std::int32_t, 4>& nodes) {
-  PairPoints points;
-  for (int k = 0; k < 4; ++k)
-    points.row(k) = x.row(nodes[static_cast<std::size_t>(k)]);
-  return points;
 }
 
 } // namespace
@@ -418,34 +407,6 @@ std::size_t BroadPhase::memory_bytes() const {
   for (const std::vector<CandidatePair>& chunk : m_chunks)
     bytes += chunk.capacity() * sizeof(CandidatePair);
   return bytes;
-}
-
-std::vector<CandidatePair> all_pairs(const Surface& surface, PairKind kind) {
-  std::vector<CandidatePair> pairs;
-  const auto& edges = surface.edges();
-  const auto& triangles = surface.triangles();
-  const auto& points = surface.points();
-  if (kind == PairKind::edge_edge) {
-    for (std::size_t i = 0; i < edges.size(); ++i) {
-      for (std::size_t j = i + 1; j < edges.size(); ++j) {
-        const Surface::Edge& e = edges[i];
-        if (surface.meet(surface.part_of_node(e[0]), surface.part_of_node(edges[j][0])) && !has_node(edges[j], e[0]) &&
-            !has_node(edges[j], e[1]))
-          pairs.push_back({{edges[i][0], edges[i][1], edges[j][0], edges[j][1]},
-                           static_cast<std::int32_t>(i),
-                           static_cast<std::int32_t>(j)});
-      }
-    }
-    return pairs;
-  }
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (std::size_t j = 0; j < triangles.size(); ++j) {
-      const Surface::Triangle& t = triangles[j];
-      if (surface.meet(surface.part_of_node(points[i]), surface.part_of_node(t[0])) && !has_node(t, points[i]))
-        pairs.push_back({{points[i], t[0], t[1], t[2]}, static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)});
-    }
-  }
-  return pairs;
 }
 
 } // namespace wry::contact

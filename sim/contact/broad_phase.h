@@ -120,7 +120,4 @@ private:
   Ways m_from_ways, m_to_ways;
 };
 
-/// All pairs that can touch at all, by looking at each: what the search has to agree with, for tests.
-std::vector<CandidatePair> all_pairs(const Surface& surface, PairKind kind);
-
 } // namespace wry::contact

@@ -9,6 +9,14 @@
 
 namespace wry::contact {
 
+/// The places of a pair.
+inline PairPoints gather(const Points& x, const std::array<std::int32_t, 4>& nodes) {
+  PairPoints points;
+  for (int k = 0; k < 4; ++k)
+    points.row(k) = x.row(nodes[static_cast<std::size_t>(k)]);
+  return points;
+}
+
 /// The squared distance of the boxes around a pair's primitives [m^2]: theirs, from below, for a small part of the
 /// time.
 inline double squared_box_distance(PairKind kind, const Points& x, const std::array<std::int32_t, 4>& nodes) {

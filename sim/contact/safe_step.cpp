@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/contact/distance.h"
+#include "sim/contact/pair_boxes.h"
 
 namespace wry::contact {
 
@@ -85,13 +86,6 @@ double most_approach(const PairPoints& ways, int first) {
       most = std::max(most, (ways.row(a) - ways.row(b)).squaredNorm());
   }
   return std::sqrt(most);
-}
-
-PairPoints gather(const Points& x, const std::array<std::int32_t, 4>& nodes) {
-  PairPoints points;
-  for (int k = 0; k < 4; ++k)
-    points.row(k) = x.row(nodes[static_cast<std::size_t>(k)]);
-  return points;
 }
 
 /// A motion, and the ways to its ends from where the candidates' distances were measured.

@@ -87,6 +87,9 @@ public:
   std::size_t memory_bytes() const;
 
 private:
+  /// Gaps below this many units in the last place of the positions could be closed by rounding the positions alone.
+  static constexpr double ROUNDING_UNITS = 32.0;
+
   struct Obstacle {
     const scene::Collider* collider;
     int first_node = 0; ///< in the numbering of all nodes

@@ -43,6 +43,39 @@ struct Sheets {
   }
 };
 
+template <class Primitive> bool has_node(const Primitive& primitive, std::int32_t node) {
+  return std::find(primitive.begin(), primitive.end(), node) != primitive.end();
+}
+
+/// All pairs that can touch at all, by looking at each: what the search has to agree with.
+std::vector<CandidatePair> all_pairs(const Surface& surface, PairKind kind) {
+  std::vector<CandidatePair> pairs;
+  const auto& edges = surface.edges();
+  const auto& triangles = surface.triangles();
+  const auto& points = surface.points();
+  if (kind == PairKind::edge_edge) {
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      for (std::size_t j = i + 1; j < edges.size(); ++j) {
+        const Surface::Edge& e = edges[i];
+        if (surface.meet(surface.part_of_node(e[0]), surface.part_of_node(edges[j][0])) && !has_node(edges[j], e[0]) &&
+            !has_node(edges[j], e[1]))
+          pairs.push_back({{edges[i][0], edges[i][1], edges[j][0], edges[j][1]},
+                           static_cast<std::int32_t>(i),
+                           static_cast<std::int32_t>(j)});
+      }
+    }
+    return pairs;
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = 0; j < triangles.size(); ++j) {
+      const Surface::Triangle& t = triangles[j];
+      if (surface.meet(surface.part_of_node(points[i]), surface.part_of_node(t[0])) && !has_node(t, points[i]))
+        pairs.push_back({{points[i], t[0], t[1], t[2]}, static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)});
+    }
+  }
+  return pairs;
+}
+
 using Key = std::pair<std::int32_t, std::int32_t>;
 
 std::vector<CandidatePair> pairs_of(const BroadPhase& broad, PairKind kind) {
