@@ -73,6 +73,7 @@ nlohmann::json spent(const StepTotals& totals) {
                           {"scatter_ms", totals.particles.scatter_ms},
                           {"grid_ms", totals.particles.grid_ms},
                           {"gather_ms", totals.particles.gather_ms},
+                          {"grain_updates", totals.particles.grain_updates},
                           {"grains_ms", totals.particles.grains_ms},
                           {"total_ms", totals.particles.total_ms}};
   return spent;

@@ -40,7 +40,7 @@ struct DrawnColliders::Surface {
   /// `now`: of what deforms, as it is at the time.
   double distance(const Vec3& at_rest, double reach, const scene::ColliderField* now) const {
     const Vec3 beyond = (bounds.low - at_rest).cwiseMax(at_rest - bounds.high);
-    if (beyond.maxCoeff() > reach || (lower_bounds && lower_bounds->at(at_rest) > reach))
+    if (beyond.maxCoeff() > reach || (lower_bounds && lower_bounds->around(at_rest).least > reach))
       return FAR;
     return tree ? tree->signed_distance(at_rest) : (now != nullptr ? *now : *field).distance({}, at_rest);
   }
@@ -56,10 +56,8 @@ DrawnColliders::DrawnColliders(std::vector<std::shared_ptr<const scene::Collider
       surface->tree = std::make_unique<geometry::ClosestPointTree>(*mesh->mesh);
       const scene::ObstacleBounds& box = surface->bounds;
       surface->lower_bounds = std::make_unique<const scene::DistanceBounds>(
-          box.low, box.high, (box.high - box.low).norm() / CUBES_ALONG_DIAGONAL,
-          [tree = surface->tree.get()](const Vec3& centre, double radius) {
-            return tree->signed_distance(centre) - radius;
-          });
+          scene::Cubes(box.low, box.high, (box.high - box.low).norm() / CUBES_ALONG_DIAGONAL), 1.0,
+          [tree = surface->tree.get()](const Vec3& centre) { return tree->signed_distance(centre); });
     } else {
       Result<scene::ColliderField> field = scene::ColliderField::create(collider, {});
       if (!field)

@@ -43,7 +43,7 @@ constexpr double MESH_SECONDS_PER_FACE = 2.5e-5;
 // cell more (bench_mpm_semi_implicit).
 constexpr double SEMI_IMPLICIT_STEP = 1.7, SEMI_IMPLICIT_ITERATION = 0.85, ITERATIONS_PER_CELL = 1.1;
 // One update of one grain, and that of one that meets meshes as they are drawn.
-constexpr double SECONDS_PER_GRAIN = 1.6e-7, SECONDS_PER_GRAIN_NEAR_MESHES = 3e-7, TURNED_BY_FLOW = 5.0;
+constexpr double SECONDS_PER_GRAIN = 0.8e-7, SECONDS_PER_GRAIN_NEAR_MESHES = 1.5e-7, TURNED_BY_FLOW = 1.35;
 // A frame or checkpoint is checked, compressed by nothing, written and read again by measures.
 constexpr double SECONDS_PER_BYTE_WRITTEN = 1e-8;
 constexpr std::uint64_t FRAME_BYTES_PER_BODY = 4000; // what HDF5 writes besides values

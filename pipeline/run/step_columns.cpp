@@ -55,6 +55,8 @@ constexpr std::array PARTICLE_COLUMNS = {
     Particle{"scatter_ms", [](const mpm::StepStats& s) { return s.scatter_ms; }},
     Particle{"grid_ms", [](const mpm::StepStats& s) { return s.grid_ms; }},
     Particle{"gather_ms", [](const mpm::StepStats& s) { return s.gather_ms; }},
+    Particle{"grain_updates", [](const mpm::StepStats& s) { return double(s.grain_updates); }},
+    Particle{"grains_ms", [](const mpm::StepStats& s) { return s.grains_ms; }},
     Particle{"total_ms", [](const mpm::StepStats& s) { return s.total_ms; }},
 };
 
@@ -108,6 +110,7 @@ void StepTotals::add(const mpm::StepStats& stats) {
   particles.scatter_ms += stats.scatter_ms;
   particles.grid_ms += stats.grid_ms;
   particles.grains_ms += stats.grains_ms;
+  particles.grain_updates += static_cast<double>(stats.grain_updates);
   particles.gather_ms += stats.gather_ms;
   particles.sort_ms += stats.sort_ms;
   particles.total_ms += stats.total_ms;

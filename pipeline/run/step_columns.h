@@ -40,6 +40,7 @@ struct StepTotals {
   struct Particles {
     int steps = 0;
     double particle_steps = 0.0;
+    double grain_updates = 0.0;
     double smallest_dt = 0.0;
     int by_limit[5] = {}; ///< steps that each mpm::StepLimit bound
     int cut = 0;          ///< steps shorter than the one given by hand

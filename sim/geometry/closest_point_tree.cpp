@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::int32_t LEAF_SIZE = 4;
 constexpr int MAX_DEPTH = 60;
+/// Of squared distances, relative to those of the points from the origin.
+constexpr double ROUNDING = 1e-13;
 
 double squared_distance_to_box(const Vec3& point, const Vec3& low, const Vec3& high) {
   return (low - point).cwiseMax(point - high).cwiseMax(0.0).squaredNorm();
@@ -75,6 +77,21 @@ ClosestPointTree::ClosestPointTree(const SurfaceMesh& mesh)
   m_nodes.emplace_back();
   m_nodes[0].end = static_cast<std::int32_t>(count);
   build(0, 0);
+  make_leaves();
+}
+
+void ClosestPointTree::make_leaves() {
+  m_leaves.resize(m_order.size());
+  for (std::size_t i = 0; i < m_order.size(); ++i) {
+    Leaf& leaf = m_leaves[i];
+    for (int k = 0; k < 3; ++k)
+      leaf.corner[k] = m_mesh.vertices.row(m_mesh.triangles(m_order[i], k)).transpose();
+    leaf.low = leaf.corner[0].cwiseMin(leaf.corner[1]).cwiseMin(leaf.corner[2]);
+    leaf.high = leaf.corner[0].cwiseMax(leaf.corner[1]).cwiseMax(leaf.corner[2]);
+    leaf.normal = m_face_normals.row(m_order[i]).transpose();
+    if (!(std::abs(leaf.normal.norm() - 1.0) < 1e-9))
+      leaf.normal.setZero();
+  }
 }
 
 void ClosestPointTree::build(std::size_t node, int depth) {
@@ -164,11 +181,24 @@ ClosestPoint ClosestPointTree::closest(const Vec3& point) const {
   return closest_within(point, std::numeric_limits<double>::infinity());
 }
 
-ClosestPoint ClosestPointTree::closest_within(const Vec3& point, double reach) const {
-  ClosestPoint best;
-  double best_squared = reach * reach;
-  if (m_nodes.empty() || !(reach >= 0.0))
-    return best;
+void ClosestPointTree::look_at(std::int32_t place, const Vec3& point, Nearest& best) const {
+  const Leaf& leaf = m_leaves[static_cast<std::size_t>(place)];
+  const auto& [a, b, c] = leaf.corner;
+  // Neither its box nor its plane is further than the triangle, but for rounding.
+  const double above = leaf.normal.dot(point - a);
+  const double least = std::max(above * above, squared_distance_to_box(point, leaf.low, leaf.high));
+  if (least > best.squared + ROUNDING * (best.squared + point.squaredNorm() + a.squaredNorm()))
+    return;
+  const Vec3 weights = closest_on_triangle(point, a, b, c);
+  const Vec3 found = weights[0] * a + weights[1] * b + weights[2] * c;
+  const double squared = (found - point).squaredNorm();
+  const std::int32_t triangle = m_order[static_cast<std::size_t>(place)], so_far = best.closest.triangle;
+  if (squared < best.squared || (squared == best.squared && (so_far < 0 || triangle < so_far)))
+    best = {{found, triangle, weights, 0.0}, squared};
+}
+
+template <class Look>
+void ClosestPointTree::for_leaves_within(const Vec3& point, const double& within, const Look& look) const {
   struct Entry {
     std::int32_t node;
     double squared;
@@ -178,7 +208,7 @@ ClosestPoint ClosestPointTree::closest_within(const Vec3& point, double reach) c
   stack[top++] = {0, 0.0};
   while (top > 0) {
     const Entry entry = stack[--top];
-    if (entry.squared > best_squared)
+    if (entry.squared > within)
       continue;
     const Node& node = m_nodes[static_cast<std::size_t>(entry.node)];
     if (node.left >= 0) {
@@ -190,28 +220,49 @@ ClosestPoint ClosestPointTree::closest_within(const Vec3& point, double reach) c
       const Entry second{node.left + 1, db};
       const Entry& further = da < db ? second : first;
       const Entry& nearer = da < db ? first : second;
-      if (further.squared <= best_squared)
+      if (further.squared <= within)
         stack[top++] = further;
-      if (nearer.squared <= best_squared)
+      if (nearer.squared <= within)
         stack[top++] = nearer;
       continue;
     }
-    for (std::int32_t i = node.begin; i < node.end; ++i) {
-      const std::int32_t triangle = m_order[static_cast<std::size_t>(i)];
-      const Vec3 a = m_mesh.vertices.row(m_mesh.triangles(triangle, 0)).transpose();
-      const Vec3 b = m_mesh.vertices.row(m_mesh.triangles(triangle, 1)).transpose();
-      const Vec3 c = m_mesh.vertices.row(m_mesh.triangles(triangle, 2)).transpose();
-      const Vec3 weights = closest_on_triangle(point, a, b, c);
-      const Vec3 found = weights[0] * a + weights[1] * b + weights[2] * c;
-      const double squared = (found - point).squaredNorm();
-      if (squared < best_squared || (squared == best_squared && (best.triangle < 0 || triangle < best.triangle))) {
-        best_squared = squared;
-        best = {found, triangle, weights, 0.0};
-      }
-    }
+    for (std::int32_t i = node.begin; i < node.end; ++i)
+      look(i);
   }
-  best.distance = std::sqrt(best_squared);
-  return best;
+}
+
+ClosestPoint ClosestPointTree::closest_within(const Vec3& point, double reach) const {
+  Nearest best{{}, reach * reach};
+  if (m_nodes.empty() || !(reach >= 0.0))
+    return best.closest;
+  for_leaves_within(point, best.squared, [&](std::int32_t leaf) { look_at(leaf, point, best); });
+  best.closest.distance = std::sqrt(best.squared);
+  return best.closest;
+}
+
+ClosestPoint ClosestPointTree::closest_of(const Vec3& point, std::span<const std::int32_t> leaves) const {
+  Nearest best{{}, std::numeric_limits<double>::infinity()};
+  for (const std::int32_t leaf : leaves)
+    look_at(leaf, point, best);
+  best.closest.distance = std::sqrt(best.squared);
+  return best.closest;
+}
+
+std::vector<std::int32_t> ClosestPointTree::nearest_around(const Vec3& centre, double radius) const {
+  std::vector<std::int32_t> leaves;
+  const ClosestPoint nearest = closest(centre);
+  if (nearest.triangle < 0)
+    return leaves;
+  // A point of the ball is at most `radius` further from the centre's nearest, and as much nearer to another.
+  const double furthest = (nearest.distance + 2.0 * radius) * (1.0 + 1e-9);
+  const double squared = furthest * furthest;
+  for_leaves_within(centre, squared, [&](std::int32_t place) {
+    Nearest one{{}, squared};
+    look_at(place, centre, one);
+    if (one.closest.triangle >= 0)
+      leaves.push_back(place);
+  });
+  return leaves;
 }
 
 Vec3 ClosestPointTree::pseudonormal(const ClosestPoint& closest) const {

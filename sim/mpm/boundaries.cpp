@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sim/mpm/semi_implicit.h"
 
@@ -24,10 +25,12 @@ Result<scene::ColliderField> make_field(std::shared_ptr<const scene::Collider> c
 }
 
 /// A mesh exactly as it is drawn: what grains meet.
-Result<std::optional<scene::ColliderField>> drawn_field(const std::shared_ptr<const scene::Collider>& collider) {
+Result<std::optional<scene::ColliderField>> drawn_field(const std::shared_ptr<const scene::Collider>& collider,
+                                                        double cell) {
   if (!std::holds_alternative<scene::MeshObstacle>(collider->shape))
     return std::optional<scene::ColliderField>();
   scene::ColliderFieldSettings settings;
+  settings.voxel = 0.5 * cell;
   settings.closed_mesh = scene::MeshDistance::exact;
   Result<scene::ColliderField> field = scene::ColliderField::create(collider, settings);
   if (!field)
@@ -142,7 +145,7 @@ Result<Boundaries> Boundaries::create(const MpmPlan& plan) {
       made.m_obstacles.push_back({std::move(*field), std::nullopt, {}, {}, !is_plane});
       if (!has_grains)
         continue;
-      Result<std::optional<scene::ColliderField>> drawn = drawn_field(obstacle);
+      Result<std::optional<scene::ColliderField>> drawn = drawn_field(obstacle, made.m_cell);
       if (!drawn)
         return drawn.error();
       made.m_obstacles.back().drawn = std::move(*drawn);
@@ -299,30 +302,46 @@ void Boundaries::walls_near(const BlockCoord& coord, std::vector<NearWall>& wall
   constexpr double MARGIN = 6.0;
   const double reach = (MIDDLE * std::sqrt(3.0) + MARGIN) * m_cell;
   const Vec3 centre = node_position(coord, Vec3::Constant(MIDDLE), m_cell);
+  constexpr double FAR = std::numeric_limits<double>::infinity();
   walls.clear();
   for (std::size_t i = 0; i < m_obstacles.size(); ++i) {
     if (!m_obstacles[i].has_inside && kind == WallKind::with_inside)
       continue;
-    const double distance = m_obstacles[i].field.distance(m_obstacles[i].pose, centre);
+    const Obstacle& obstacle = m_obstacles[i];
+    const double distance = kind == WallKind::all ? obstacle.as_drawn().least_distance(obstacle.pose, centre, FAR)
+                                                  : obstacle.field.distance(obstacle.pose, centre);
     if (distance <= reach)
       walls.push_back({static_cast<int>(i), centre, distance});
   }
 }
 
+Boundaries::WallsWithin Boundaries::walls_within(const std::vector<NearWall>& walls, const Vec3& point,
+                                                 double reach) const {
+  WallsWithin near{{}, reach};
+  for (std::size_t i = 0; i < walls.size(); ++i) {
+    if (!walls[i].may_touch(point, reach))
+      continue;
+    const Obstacle& obstacle = m_obstacles[static_cast<std::size_t>(walls[i].obstacle)];
+    const double least = obstacle.as_drawn().least_distance(obstacle.pose, point, reach);
+    if (least >= reach)
+      continue;
+    near.which.add(i);
+    near.least_distance = std::min(near.least_distance, least);
+  }
+  return near;
+}
+
 std::optional<ObstacleContact> Boundaries::nearest_obstacle(const std::vector<NearWall>& walls, const Vec3& point,
-                                                            double reach) const {
+                                                            double reach, WallSet among) const {
   std::optional<ObstacleContact> nearest;
-  for (const NearWall& wall : walls) {
-    if (!wall.may_touch(point, reach))
+  for (std::size_t i = 0; i < walls.size(); ++i) {
+    if (!among.has(i) || !walls[i].may_touch(point, reach))
       continue;
-    const Obstacle& obstacle = m_obstacles[static_cast<std::size_t>(wall.obstacle)];
-    // What matter on the grid meets is never further than a small part of a cell beyond what is drawn.
-    constexpr double SAMPLING = 0.15; // cells
+    const Obstacle& obstacle = m_obstacles[static_cast<std::size_t>(walls[i].obstacle)];
     const double wanted = nearest ? nearest->distance : reach;
-    const double not_beyond = wanted + SAMPLING * m_cell;
-    if (obstacle.drawn && obstacle.field.distance(obstacle.pose, point, not_beyond) >= not_beyond)
+    const scene::ColliderField& seen = obstacle.as_drawn();
+    if (seen.least_distance(obstacle.pose, point, wanted) >= wanted)
       continue;
-    const scene::ColliderField& seen = obstacle.drawn ? *obstacle.drawn : obstacle.field;
     const scene::ColliderSample sample = seen.sample(obstacle.pose, point);
     if (sample.distance < wanted)
       nearest = ObstacleContact{sample.distance, sample.normal, obstacle.twist.at(point) + sample.velocity};

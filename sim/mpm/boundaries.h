@@ -41,7 +41,26 @@ struct NearWall {
   }
 };
 
-/// Which obstacles count as walls: those that particles can get through, or planes too.
+/// Some of a block's walls, by their place; those beyond the 31st together.
+class WallSet {
+public:
+  WallSet() = default; ///< none
+  static WallSet all() {
+    WallSet set;
+    set.m_bits = ~0U;
+    return set;
+  }
+  void add(std::size_t wall) { m_bits |= bit(wall); }
+  bool has(std::size_t wall) const { return (m_bits & bit(wall)) != 0; }
+  bool is_empty() const { return m_bits == 0; }
+
+private:
+  static std::uint32_t bit(std::size_t wall) { return 1U << (wall < 31 ? wall : 31); }
+  std::uint32_t m_bits = 0;
+};
+
+/// Which obstacles count as walls: those that particles can get through, as the grid has them; or planes too, and all
+/// as they are drawn.
 enum class WallKind { with_inside, all };
 
 /// Obstacles and prescribed velocities on the grid, and what keeps particles out of walls.
@@ -65,9 +84,16 @@ public:
   /// Puts a particle back to the surface of the walls it is in and takes away the velocity into them. Returns whether
   /// it had to.
   bool push_out(const std::vector<NearWall>& walls, Vec3& position, Vec3& velocity) const;
-  /// The wall that is nearest to a point as it is drawn, if one is nearer than `reach` [m].
-  std::optional<ObstacleContact> nearest_obstacle(const std::vector<NearWall>& walls, const Vec3& point,
-                                                  double reach) const;
+  /// Which of a block's walls a point may be nearer to than `reach` [m] as they are drawn: none that is nearer is left
+  /// out. And how near any may be.
+  struct WallsWithin {
+    WallSet which;
+    double least_distance = 0.0; ///< [m]; of no wall: without meaning
+  };
+  WallsWithin walls_within(const std::vector<NearWall>& walls, const Vec3& point, double reach) const;
+  /// The wall, of `among`, that is nearest to a point as it is drawn, if one is nearer than `reach` [m].
+  std::optional<ObstacleContact> nearest_obstacle(const std::vector<NearWall>& walls, const Vec3& point, double reach,
+                                                  WallSet among = WallSet::all()) const;
 
 private:
   struct Obstacle {
@@ -76,6 +102,8 @@ private:
     scene::Pose pose;
     scene::Twist twist;
     bool has_inside = true; ///< planes end the world: no particle gets through
+
+    const scene::ColliderField& as_drawn() const { return drawn ? *drawn : field; }
   };
   struct Held {
     Obstacle space;

@@ -133,7 +133,7 @@ template <class Scalar> Status Simulation<Scalar>::initialise() {
     if (Status status = add_particles(b); !status)
       return status;
   }
-  m_grains.emplace(m_plan, m_boundaries);
+  m_grains.emplace(m_plan, m_boundaries, m_isa);
   make_blocks();
   return {};
 }
@@ -450,8 +450,8 @@ template <class Scalar> Result<StepStats> Simulation<Scalar>::step(double end) {
   if (Status status = gather(chosen.dt, stats); !status)
     return status.error();
   const Clock::time_point before_grains = Clock::now();
-  m_grains->follow(m_grid, m_boundaries, m_state.time,
-                   {chosen.dt, m_state.max_speed, m_state.max_gradient, chosen.lands}, m_threads);
+  stats.grain_updates = m_grains->follow(m_grid, m_boundaries, m_state.time,
+                                         {chosen.dt, m_state.max_speed, m_state.max_gradient, chosen.lands}, m_threads);
   stats.grains_ms = ms_since(before_grains);
   m_state.time = chosen.lands ? end : m_state.time + chosen.dt;
   stats.time = m_state.time;

@@ -19,10 +19,11 @@ struct StepStats {
   StepLimit limit = StepLimit::frame; ///< what kept it from being longer
   double given_over_stable = 0.0;     ///< a step given by hand divided by the longest stable one; 0: none was given
   std::size_t particles = 0, blocks = 0;
-  bool sorted = false;         ///< particles were sorted before it
-  double max_speed = 0.0;      ///< of a particle at its end [m/s]
-  double kinetic_energy = 0.0; ///< of the particles, without their affine part [J]
-  int linear_iterations = 0;   ///< of a semi-implicit step
+  bool sorted = false;           ///< particles were sorted before it
+  double max_speed = 0.0;        ///< of a particle at its end [m/s]
+  double kinetic_energy = 0.0;   ///< of the particles, without their affine part [J]
+  int linear_iterations = 0;     ///< of a semi-implicit step
+  std::size_t grain_updates = 0; ///< grains brought up to date, once for every part of their way
   double scatter_ms = 0.0, grid_ms = 0.0, gather_ms = 0.0, sort_ms = 0.0, grains_ms = 0.0, total_ms = 0.0;
 };
 

@@ -7,6 +7,7 @@
 #include "sim/geometry/closest_point_tree.h"
 #include "sim/geometry/signed_distance.h"
 #include "sim/scene/distance_bounds.h"
+#include "sim/scene/near_triangles.h"
 
 namespace wry::scene {
 
@@ -51,6 +52,7 @@ struct ColliderField::Shape {
   virtual ~Shape() = default;
   virtual ColliderSample sample(const Vec3& point) const = 0;
   virtual double distance(const Vec3& point, double /*reach*/) const { return sample(point).distance; }
+  virtual double least_distance(const Vec3& point, double reach) const { return distance(point, reach); }
 };
 
 namespace {
@@ -111,13 +113,15 @@ MadeShape make_shape(const CylinderObstacle& cylinder, const ColliderFieldSettin
 }
 
 /// Where a mesh's cheap bounds of its distance are known: a little beyond what a grid's nodes and particles may touch.
-std::unique_ptr<const DistanceBounds> bounds_around(const geometry::SurfaceMesh& mesh, double cube,
-                                                    DistanceBounds::Bound bound) {
-  constexpr double AROUND = 8.0; // cubes
-  const Vec3 margin = Vec3::Constant(AROUND * cube);
-  return std::make_unique<const DistanceBounds>(mesh.vertices.colwise().minCoeff().transpose() - margin,
-                                                mesh.vertices.colwise().maxCoeff().transpose() + margin, cube,
-                                                std::move(bound));
+constexpr double BOUNDS_AROUND = 8.0; // cubes
+Cubes cubes_around(const geometry::SurfaceMesh& mesh, double side, double margin) {
+  const Vec3 around = Vec3::Constant(margin * side);
+  return {mesh.vertices.colwise().minCoeff().transpose() - around,
+          mesh.vertices.colwise().maxCoeff().transpose() + around, side};
+}
+std::unique_ptr<const DistanceBounds> bounds_around(const geometry::SurfaceMesh& mesh, double cube, double slope,
+                                                    DistanceBounds::Distance distance) {
+  return std::make_unique<const DistanceBounds>(cubes_around(mesh, cube, BOUNDS_AROUND), slope, std::move(distance));
 }
 
 /// The inside of a closed mesh.
@@ -199,11 +203,14 @@ struct PartlyThin final : ColliderField::Shape {
       , growth(thin.growth)
       , most_growth(*std::max_element(growth.begin(), growth.end()))
       , least(settings.least_solid)
-      , bounds(bounds_around(whole, settings.voxel,
-                             [this](const Vec3& centre, double radius) { return lower_bound(centre, radius); })) {}
+      , seen(BOUNDS_AROUND * settings.voxel)
+      // What is sampled changes along each axis by no more than the distance does, so by sqrt(3) as much along a
+      // diagonal.
+      , bounds(bounds_around(whole, settings.voxel, std::sqrt(3.0),
+                             [this](const Vec3& centre) { return lower_bound(centre); })) {}
   double distance(const Vec3& point, double reach) const override {
     if (std::isfinite(reach)) {
-      if (const double bound = bounds->at(point); bound >= reach)
+      if (const double bound = bounds->around(point).least; bound >= reach)
         return bound;
     }
     const double to_solid = distance_to_solid(point);
@@ -229,13 +236,9 @@ struct PartlyThin final : ColliderField::Shape {
   }
 
 private:
-  double lower_bound(const Vec3& centre, double radius) const {
-    // What is sampled changes along each axis by no more than the distance does, so by sqrt(3) as much along a
-    // diagonal.
-    const double to_solid = distance_to_solid(centre) - std::sqrt(3.0) * radius;
-    const double seen = 8.0 * radius;
+  double lower_bound(const Vec3& centre) const {
     const geometry::ClosestPoint closest = tree.closest_within(centre, seen + most_growth);
-    return std::min(to_solid, (closest.triangle < 0 ? seen : closest.distance - most_growth) - radius);
+    return std::min(distance_to_solid(centre), closest.triangle < 0 ? seen : closest.distance - most_growth);
   }
   double distance_to_solid(const Vec3& point) const {
     return solid ? solid->distance(point, std::numeric_limits<double>::infinity())
@@ -246,23 +249,45 @@ private:
   std::vector<double> growth;
   double most_growth; ///< no face reaches further [m]
   double least;
+  double seen; ///< what is further counts as this far [m]
   std::unique_ptr<const DistanceBounds> bounds;
 };
 
-MadeShape make_exact_solid(const MeshObstacle& mesh) {
-  return analytic([tree = std::make_shared<const geometry::ClosestPointTree>(*mesh.mesh)](const Vec3& point) {
-    const geometry::ClosestPoint closest = tree->closest(point);
-    const Vec3 outward = tree->pseudonormal(closest);
+/// The inside of a closed mesh, by its triangles. With `cube`, what is kept for cubes of space answers most questions.
+struct ExactSolid final : ColliderField::Shape {
+  ExactSolid(const geometry::SurfaceMesh& mesh, double cube)
+      : tree(mesh)
+      , low(mesh.vertices.colwise().minCoeff().transpose())
+      , high(mesh.vertices.colwise().maxCoeff().transpose()) {
+    if (!(cube > 0.0))
+      return;
+    const Cubes cubes = cubes_around(mesh, cube, 3.0);
+    bounds = std::make_unique<const DistanceBounds>(
+        cubes, 1.0, [this](const Vec3& centre) { return tree.signed_distance(centre); });
+    near = std::make_unique<const NearTriangles>(tree, cubes);
+  }
+  double least_distance(const Vec3& point, double reach) const override {
+    if (!bounds)
+      return distance(point, reach);
+    const double outside = (low - point).cwiseMax(point - high).maxCoeff();
+    return outside >= reach ? outside : std::max(outside, bounds->around(point).least);
+  }
+  ColliderSample sample(const Vec3& point) const override {
+    const geometry::ClosestPoint closest = near ? near->closest(point) : tree.closest(point);
+    const Vec3 outward = tree.pseudonormal(closest);
     const Vec3 away = point - closest.point;
     const double side = away.dot(outward) < 0.0 ? -1.0 : 1.0;
-    return ColliderSample{side * closest.distance,
-                          closest.distance > 1e-12 ? Vec3(side / closest.distance * away) : outward};
-  });
-}
+    return {side * closest.distance, closest.distance > 1e-12 ? Vec3(side / closest.distance * away) : outward};
+  }
+  geometry::ClosestPointTree tree;
+  Vec3 low, high; ///< the mesh's box [m]
+  std::unique_ptr<const DistanceBounds> bounds;
+  std::unique_ptr<const NearTriangles> near; ///< null, as the bounds: queries are few
+};
 
 MadeShape make_solid(const MeshObstacle& mesh, const ColliderFieldSettings& settings) {
   if (settings.closed_mesh == MeshDistance::exact)
-    return make_exact_solid(mesh);
+    return std::shared_ptr<const ColliderField::Shape>(std::make_shared<ExactSolid>(*mesh.mesh, settings.voxel));
   const ThinFaces thin = settings.least_solid > 0.0 ? thin_faces(*mesh.mesh, settings.least_solid) : ThinFaces{};
   Result<geometry::SignedDistance> distance = geometry::SignedDistance::from_surface(*mesh.mesh, settings.voxel);
   const bool all_thin = static_cast<Eigen::Index>(thin.growth.size()) == mesh.mesh->triangles.rows();
@@ -283,16 +308,18 @@ struct Sheet final : ColliderField::Shape {
       : tree(mesh)
       , half(half_) {
     if (cube > 0.0)
-      bounds = bounds_around(mesh, cube, [this](const Vec3& centre, double radius) {
-        return distance_from(centre, 8.0 * radius) - radius;
-      });
+      bounds = bounds_around(mesh, cube, 1.0,
+                             [this, cube](const Vec3& centre) { return distance_from(centre, BOUNDS_AROUND * cube); });
   }
   double distance(const Vec3& point, double reach) const override {
     if (bounds && std::isfinite(reach)) {
-      if (const double bound = bounds->at(point); bound >= reach)
+      if (const double bound = bounds->around(point).least; bound >= reach)
         return bound;
     }
     return distance_from(point, reach);
+  }
+  double least_distance(const Vec3& point, double reach) const override {
+    return bounds ? bounds->around(point).least : distance_from(point, reach);
   }
   double distance_from(const Vec3& point, double reach) const {
     const geometry::ClosestPoint closest = tree.closest_within(point, reach + half);
@@ -379,6 +406,10 @@ void ColliderField::deform_to(double time) {
 
 double ColliderField::distance(const Pose& pose, const Vec3& point, double reach) const {
   return m_shape->distance(pose.apply_inverse(point), reach);
+}
+
+double ColliderField::least_distance(const Pose& pose, const Vec3& point, double reach) const {
+  return m_shape->least_distance(pose.apply_inverse(point), reach);
 }
 
 ColliderSample ColliderField::sample(const Pose& pose, const Vec3& point) const {

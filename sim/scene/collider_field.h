@@ -24,7 +24,8 @@ enum class MeshDistance {
 
 /// How finely meshes are sampled.
 struct ColliderFieldSettings {
-  double voxel = 0.0;       ///< of a closed mesh's level set [m]; usual: half a grid cell
+  double voxel = 0.0;       ///< of a closed mesh's level set, and of what is kept to answer cheaply [m]; usual: half a
+                            ///< grid cell
   double least_wall = 0.0;  ///< walls of open boxes and open meshes count as at least this thick [m]
   double least_solid = 0.0; ///< what is thinner in a closed mesh counts as this thick, growing on both sides [m]
   MeshDistance closed_mesh = MeshDistance::sampled;
@@ -49,6 +50,10 @@ public:
   /// The distance alone [m]: of a closed mesh a seventh of the cost, since a normal takes six samples more. From
   /// `reach` on it may be any lower bound that is not below `reach`: cheap where only what is near matters.
   double distance(const Pose& pose, const Vec3& point, double reach = std::numeric_limits<double>::infinity()) const;
+
+  /// A cheap lower bound of the distance [m], seldom by more than a voxel too low; from `reach` on any that is not
+  /// below `reach`.
+  double least_distance(const Pose& pose, const Vec3& point, double reach) const;
 
   /// The shape alone, made ready for queries; of the implementation.
   struct Shape;

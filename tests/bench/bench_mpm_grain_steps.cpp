@@ -1,7 +1,7 @@
 // Error of sub-particles against their run time: how far apart grains are at the end when they are brought up to date
 // every `travel` cells, from where they are when it happens in every step. The matter is the same, bit for bit. Of
 // grains that the matter carries all the time (one that flies, even for an update, goes its own way). CSV on standard
-// output.
+// output. An argument names the instruction set: sse4, avx2, avx512.
 
 #include <algorithm>
 #include <cmath>
@@ -78,9 +78,9 @@ void look(const Frame& frame, Outcome& outcome) {
   }
 }
 
-Outcome run(double travel) {
+Outcome run(double travel, Isa isa) {
   Outcome outcome;
-  auto simulation = MpmSimulation::create(cards(travel), 1, native_isa());
+  auto simulation = MpmSimulation::create(cards(travel), 1, isa);
   if (!simulation)
     return outcome;
   for (int frame = 1; frame <= static_cast<int>(END * FPS); ++frame) {
@@ -107,12 +107,17 @@ double quantile(std::vector<double> values, double share) {
 
 } // namespace
 
-int main() {
-  const Outcome bare = run(-1.0), reference = run(0.0);
+int main(int count, char** words) {
+  const Result<Isa> isa = parse_isa(count > 1 ? words[1] : "auto");
+  if (!isa) {
+    fmt::print(stderr, "{}\n", isa.error().message);
+    return 2;
+  }
+  const Outcome bare = run(-1.0, *isa), reference = run(0.0, *isa);
   fmt::print("travel_cells,steps,grains,grains_ms,us_per_grain_and_step,median_error_cells,error_of_99_percent_cells,"
              "carried_in_both\n");
   for (const double travel : {0.0, 0.05, 0.1, 0.25, 0.5}) {
-    const Outcome outcome = run(travel);
+    const Outcome outcome = run(travel, *isa);
     std::vector<double> errors;
     for (std::size_t i = 0; i < reference.always_carried.size(); ++i) {
       if (!reference.always_carried[i] || !outcome.always_carried[i])

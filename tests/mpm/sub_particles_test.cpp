@@ -239,6 +239,20 @@ TEST(SubParticles, CostNothingWhenThereAreNone) {
   const auto simulation = run(plan, 1.0 / 24.0);
   EXPECT_EQ(simulation->snapshot(1).bodies.size(), 1u);
   EXPECT_EQ(simulation->scene_static().bodies.size(), 1u);
+  EXPECT_EQ((*simulation).step(1.0)->grain_updates, 0u);
+}
+
+TEST(SubParticles, AStepTellsHowManyItMoved) {
+  MpmPlan plan = falling_sand();
+  const std::size_t grains = 2 * static_cast<std::size_t>(plan.bodies[0].positions->rows());
+  plan.bodies[0].sub_particles->travel = 0.0; // in every step
+  auto every = MpmSimulation::create(plan, 1, Isa::sse4);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_EQ((*every)->step(1.0)->grain_updates, grains);
+  plan.bodies[0].sub_particles->travel = 0.25;
+  auto seldom = MpmSimulation::create(plan, 1, Isa::sse4);
+  EXPECT_EQ((*seldom)->step(1.0)->grain_updates, 0u);
+  EXPECT_EQ((*seldom)->step((*seldom)->time() + 1e-6)->grain_updates, grains) << "a frame ends";
 }
 
 } // namespace

@@ -9,7 +9,7 @@
 
 namespace wry::mpm {
 
-GrainFollowers::GrainFollowers(const MpmPlan& plan, const Boundaries& boundaries)
+GrainFollowers::GrainFollowers(const MpmPlan& plan, const Boundaries& boundaries, Isa isa)
     : m_gravity(plan.gravity)
     , m_cell(plan.settings.cell)
     , m_keeps(plan.settings.keep_fields ? Fields::kept : Fields::dropped) {
@@ -22,28 +22,30 @@ GrainFollowers::GrainFollowers(const MpmPlan& plan, const Boundaries& boundaries
     const Quaternions one = quaternion_of(body.frame).transpose();
     const SubParticleStart start{*body.positions, body.particle_volume, body.frames ? *body.frames : one,
                                  body.initial_velocity, body.material.density};
-    m_grains.emplace_back(std::move(settings), start);
+    m_grains.emplace_back(std::move(settings), start, isa);
     m_grains.back().leave_obstacles(boundaries, m_cell);
   }
 }
 
 template <class Scalar>
-void GrainFollowers::follow(const Grid<Scalar>& grid, const Boundaries& boundaries, double time,
-                            const SubParticles::StepSeen& step, const Threads& threads) {
+std::size_t GrainFollowers::follow(const Grid<Scalar>& grid, const Boundaries& boundaries, double time,
+                                   const SubParticles::StepSeen& step, const Threads& threads) {
   std::vector<double> spans;
+  std::size_t updated = 0;
   for (SubParticles& grains : m_grains) {
     spans.push_back(grains.due(step, m_gravity, m_cell));
     if (spans.back() > 0.0)
-      grains.update(grid, boundaries, m_gravity, m_cell, spans.back(), threads);
+      updated += grains.update(grid, boundaries, m_gravity, m_cell, spans.back(), threads);
   }
   const bool any = std::any_of(spans.begin(), spans.end(), [](double span) { return span > 0.0; });
   if (any && m_keeps == Fields::kept)
     m_fields.push_back({time, step.dt, std::move(spans), snapshot_of(grid)});
+  return updated;
 }
-template void GrainFollowers::follow(const Grid<float>&, const Boundaries&, double, const SubParticles::StepSeen&,
-                                     const Threads&);
-template void GrainFollowers::follow(const Grid<double>&, const Boundaries&, double, const SubParticles::StepSeen&,
-                                     const Threads&);
+template std::size_t GrainFollowers::follow(const Grid<float>&, const Boundaries&, double,
+                                            const SubParticles::StepSeen&, const Threads&);
+template std::size_t GrainFollowers::follow(const Grid<double>&, const Boundaries&, double,
+                                            const SubParticles::StepSeen&, const Threads&);
 
 std::vector<GrainUpdate> GrainFollowers::take_fields() {
   return std::exchange(m_fields, {});

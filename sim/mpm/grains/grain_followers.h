@@ -12,12 +12,12 @@ namespace wry::mpm {
 class GrainFollowers {
 public:
   /// Puts grains in the particles that bodies start with, outside of obstacles.
-  GrainFollowers(const MpmPlan& plan, const Boundaries& boundaries);
+  GrainFollowers(const MpmPlan& plan, const Boundaries& boundaries, Isa isa);
 
-  /// A step that began at `time` has been made on this grid.
+  /// A step that began at `time` has been made on this grid. Returns how many grains were moved for it.
   template <class Scalar>
-  void follow(const Grid<Scalar>& grid, const Boundaries& boundaries, double time, const SubParticles::StepSeen& step,
-              const Threads& threads);
+  std::size_t follow(const Grid<Scalar>& grid, const Boundaries& boundaries, double time,
+                     const SubParticles::StepSeen& step, const Threads& threads);
   /// See MpmSimulation.
   std::vector<GrainUpdate> take_fields();
   Status replay(const std::vector<GrainUpdate>& updates, Boundaries& boundaries, const Threads& threads);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/isa.h"
 #include "sim/base/parallel.h"
 #include "sim/mpm/boundaries.h"
 #include "sim/mpm/grains/sub_particle_settings.h"
@@ -28,6 +29,7 @@ struct SubParticleStart {
 };
 
 struct FlowField;
+struct GrainKernels;
 
 /// How many grains are where.
 struct SubParticleCounts {
@@ -38,7 +40,7 @@ struct SubParticleCounts {
 /// the matter has torn, and come to rest on obstacles. They do not act on anything.
 class SubParticles {
 public:
-  SubParticles(SubParticleSettings settings, const SubParticleStart& start);
+  SubParticles(SubParticleSettings settings, const SubParticleStart& start, Isa isa);
 
   std::size_t count() const { return m_state.size(); }
   const SubParticleSettings& settings() const { return m_settings; }
@@ -56,10 +58,10 @@ public:
   };
   double due(const StepSeen& step, const Vec3& gravity, double cell);
   /// Brings grains forward by `span` on a grid (Grid or SnapshotGrid) whose nodes have velocities [m/s] and masses
-  /// [kg].
+  /// [kg]. Returns how many grains were moved, once for every part of the span.
   template <class AnyGrid>
-  void update(const AnyGrid& grid, const Boundaries& boundaries, const Vec3& gravity, double cell, double span,
-              const Threads& threads);
+  std::size_t update(const AnyGrid& grid, const Boundaries& boundaries, const Vec3& gravity, double cell, double span,
+                     const Threads& threads);
 
   SubParticleCounts counts() const;
   /// Updates made so far, and grains updated in them.
@@ -81,27 +83,39 @@ private:
     std::size_t begin = 0, end = 0; ///< of m_order
   };
 
+  struct RunReport {
+    bool strayed = false; ///< a grain has gone too far from the block
+    double fastest = 0.0; ///< of those that fly [m/s]
+  };
+  /// What moves; in one piece, since grains of a block lie apart in memory.
+  struct alignas(128) Grain {
+    Vec4 orientation;
+    Vec3 position, velocity, spin; ///< [m], [m/s], [rad/s]
+  };
+
   void sort(double cell);
   template <class AnyGrid>
   void advance(const AnyGrid& grid, const BlockIndex& blocks, const Boundaries& boundaries, const Vec3& gravity,
                double cell, double dt, const Threads& threads);
-  bool update_run(const Run& run, const FlowField& field);
+  RunReport update_run(const Run& run, FlowField& field);
   double thinnest() const;
-  bool carry(std::size_t grain, const FlowField& field);
+  double radius_of(double size) const;
+  void carry(const std::uint32_t* grains, int count, const FlowField& field);
   bool rest(std::size_t grain, const FlowField& field);
   void fly(std::size_t grain, const FlowField& field);
-  void meet_obstacles(std::size_t grain, const FlowField& field);
+  void meet_obstacles(std::size_t grain, const FlowField& field, WallSet among);
 
   SubParticleSettings m_settings;
+  Isa m_isa;
+  const GrainKernels* m_kernels;
   double m_density = 0.0; ///< rho_0 [kg/m^3]
   double m_fastest = 0.0; ///< flying grain at the last update [m/s]
   double m_pending = 0.0; ///< time that has passed since the last update [s]
   double m_gone = 0.0;    ///< cells that the fastest may have gone in it
   double m_turned = 0.0;  ///< dt |L| in it
   std::size_t m_updates = 0;
-  bool m_strayed = true;                            ///< grains must be sorted before the next update
-  std::vector<Vec3> m_position, m_velocity, m_spin; ///< [m], [m/s], [rad/s]
-  std::vector<Vec4> m_orientation;
+  bool m_strayed = true; ///< grains must be sorted before the next update
+  std::vector<Grain> m_grains;
   std::vector<Phase> m_state;
   std::vector<std::uint8_t> m_blend;  ///< updates over which a captured grain still takes up the matter's velocity
   std::vector<float> m_size;          ///< relative

@@ -39,12 +39,12 @@ FrameBody SubParticles::snapshot() const {
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
       const auto axis = static_cast<Eigen::Index>(k);
-      position.values[3 * i + k] = m_position[i][axis];
-      velocity.values[3 * i + k] = m_velocity[i][axis];
+      position.values[3 * i + k] = m_grains[i].position[axis];
+      velocity.values[3 * i + k] = m_grains[i].velocity[axis];
       size.values[3 * i + k] = m_settings.size[axis] * static_cast<double>(m_size[i]);
     }
     for (std::size_t k = 0; k < 4; ++k)
-      orientation.values[4 * i + k] = m_orientation[i][static_cast<Eigen::Index>(k)];
+      orientation.values[4 * i + k] = m_grains[i].orientation[static_cast<Eigen::Index>(k)];
     phase.values[i] = static_cast<double>(m_state[i]);
   }
   FrameBody body;
@@ -58,12 +58,12 @@ void SubParticles::archive(const std::string& prefix, StateArchive& to) const {
   for (std::size_t i = 0; i < count(); ++i) {
     double* row = state.values.data() + 15 * i;
     for (Eigen::Index k = 0; k < 3; ++k) {
-      row[k] = m_position[i][k];
-      row[3 + k] = m_velocity[i][k];
-      row[6 + k] = m_spin[i][k];
+      row[k] = m_grains[i].position[k];
+      row[3 + k] = m_grains[i].velocity[k];
+      row[6 + k] = m_grains[i].spin[k];
     }
     for (Eigen::Index k = 0; k < 4; ++k)
-      row[9 + k] = m_orientation[i][k];
+      row[9 + k] = m_grains[i].orientation[k];
     row[13] = static_cast<double>(m_state[i]);
     row[14] = static_cast<double>(m_blend[i]);
   }
@@ -86,10 +86,10 @@ Status SubParticles::restore(const std::string& prefix, const StateArchive& from
                       state == nullptr ? "grains" : "pending");
   for (std::size_t i = 0; i < count(); ++i) {
     const double* row = state->values.data() + 15 * i;
-    m_position[i] = Vec3(row[0], row[1], row[2]);
-    m_velocity[i] = Vec3(row[3], row[4], row[5]);
-    m_spin[i] = Vec3(row[6], row[7], row[8]);
-    m_orientation[i] = Vec4(row[9], row[10], row[11], row[12]);
+    m_grains[i].position = Vec3(row[0], row[1], row[2]);
+    m_grains[i].velocity = Vec3(row[3], row[4], row[5]);
+    m_grains[i].spin = Vec3(row[6], row[7], row[8]);
+    m_grains[i].orientation = Vec4(row[9], row[10], row[11], row[12]);
     m_state[i] = static_cast<Phase>(row[13]);
     m_blend[i] = static_cast<std::uint8_t>(row[14]);
   }
