@@ -66,7 +66,7 @@ BroadPhase::BroadPhase(const Surface& surface, const Threads& threads, std::size
     , m_most_pairs(most_pairs)
     , m_reach_within(std::move(reach_within))
     , m_first_point(first_points_of_parts(surface))
-    , m_boxes{{surface, threads}, {}} {
+    , m_boxes{{surface, threads}, {}, {}} {
   for (int a = 0; a < surface.part_count(); ++a) {
     for (int b = 0; b <= a; ++b) {
       if (surface.meet(a, b))
@@ -311,7 +311,7 @@ bool BroadPhase::search(PairSet& set, PairGroup group) {
   if (search(m_boxes, set, group))
     return true;
   if (!m_wide_boxes)
-    m_wide_boxes.reset(new Boxes<double>{{m_surface, m_threads}, {}});
+    m_wide_boxes.reset(new Boxes<double>{{m_surface, m_threads}, {}, {}});
   return search(*m_wide_boxes, set, group);
 }
 
@@ -324,7 +324,9 @@ template <class Scalar> bool BroadPhase::search(Boxes<Scalar>& boxes, PairSet& s
     return [&, kind](std::vector<CandidatePair>& pairs, std::size_t begin) {
       std::size_t kept = begin;
       for (std::size_t i = begin; i < pairs.size(); ++i) {
-        const QuickPair<Scalar> quick(kind, pairs[i].nodes, boxes.nodes);
+        const QuickPair<Scalar> quick(kind, pairs[i].nodes, boxes.points);
+        if (quick.is_beyond(spent, rounding))
+          continue;
         const QuickGap gap = quick.between_middles(rounding);
         if (gap.least > spent)
           continue;
@@ -365,13 +367,14 @@ template <class Scalar> bool BroadPhase::search(Boxes<Scalar>& boxes, PairSet& s
 
 /// Boxes of nodes on their ways. Returns the largest coordinate, of a place or a way.
 template <class Scalar> double BroadPhase::Boxes<Scalar>::place(const PairSet& set, const Surface& surface) {
-  const std::vector<std::int32_t>& points = surface.points();
+  const std::vector<std::int32_t>& of_surface = surface.points();
   Vec3 origin = Vec3::Zero(); // of the scene, so that single precision tells its parts apart wherever it is
-  for (const std::int32_t node : points)
-    origin += set.from.row(node).transpose() / static_cast<double>(points.size());
+  for (const std::int32_t node : of_surface)
+    origin += set.from.row(node).transpose() / static_cast<double>(of_surface.size());
   nodes.resize(static_cast<std::size_t>(surface.node_count()));
+  points.resize(nodes.size());
   double most = 0.0;
-  for (const std::int32_t node : points) {
+  for (const std::int32_t node : of_surface) {
     Four<Scalar> at = Four<Scalar>::Zero();
     Four<Scalar> way = Four<Scalar>::Zero();
     for (int i = 0; i < 3; ++i) {
@@ -381,6 +384,7 @@ template <class Scalar> double BroadPhase::Boxes<Scalar>::place(const PairSet& s
       most = std::max({most, std::abs(x), std::abs(set.way(node, i))});
     }
     nodes[static_cast<std::size_t>(node)] = MovingBoxOf<Scalar>::of(at, way);
+    points[static_cast<std::size_t>(node)] = {at, way};
   }
   return most;
 }
@@ -395,7 +399,8 @@ std::size_t BroadPhase::pair_count() const {
 }
 
 std::size_t BroadPhase::memory_bytes() const {
-  std::size_t bytes = m_boxes.trees.memory_bytes() + m_boxes.nodes.capacity() * sizeof(MovingBox);
+  std::size_t bytes =
+      m_boxes.trees.memory_bytes() + m_boxes.nodes.capacity() * (sizeof(MovingBox) + sizeof(MovingPoint<float>));
   if (m_wide_boxes)
     bytes += m_wide_boxes->trees.memory_bytes() + m_wide_boxes->nodes.capacity() * sizeof(WideMovingBox);
   for (const Lists& lists : m_lists) {

@@ -76,7 +76,8 @@ private:
   };
   template <class Scalar> struct Boxes {
     BoxSearch<MovingBoxOf<Scalar>> trees;
-    std::vector<MovingBoxOf<Scalar>> nodes; ///< of the surface
+    std::vector<MovingBoxOf<Scalar>> nodes;  ///< of the surface
+    std::vector<MovingPoint<Scalar>> points; ///< the same
     double place(const PairSet& set, const Surface& surface);
   };
   const Lists& lists(PairGroup group) const { return m_lists[static_cast<std::size_t>(group)]; }

@@ -95,29 +95,41 @@ struct QuickGap {
   double least = -1.0; ///< all the time
 };
 
-/// Places and ways of a pair's points, from boxes of single points.
+/// Where a point is, and its way. The fourth entries are zero.
+template <class Scalar> struct MovingPoint {
+  Four<Scalar> place, way; ///< [m]
+};
+
+/// Places and ways of a pair's points.
 template <class Scalar> class QuickPair {
 public:
-  QuickPair(PairKind kind, const std::array<std::int32_t, 4>& pair, const std::vector<MovingBoxOf<Scalar>>& nodes)
+  QuickPair(PairKind kind, const std::array<std::int32_t, 4>& pair, const std::vector<MovingPoint<Scalar>>& nodes)
       : m_kind(kind) {
-    for (std::size_t k = 0; k < 4; ++k) {
-      m_places[k] = nodes[static_cast<std::size_t>(pair[k])].low;
-      m_ways[k] = nodes[static_cast<std::size_t>(pair[k])].way_low;
-    }
+    for (std::size_t k = 0; k < 4; ++k)
+      m_places[k] = nodes[static_cast<std::size_t>(pair[k])].place;
+    const Four<Scalar> axis = middle_axis(m_kind, m_places);
+    const Four<Scalar> start = along(axis, m_places);
+    const Four<Scalar> end =
+        start +
+        along(axis, {nodes[static_cast<std::size_t>(pair[0])].way, nodes[static_cast<std::size_t>(pair[1])].way,
+                     nodes[static_cast<std::size_t>(pair[2])].way, nodes[static_cast<std::size_t>(pair[3])].way});
+    // Between start and end the gap is the least of linear functions: never below both.
+    m_at_start = gap_of<Scalar>(m_kind, start);
+    m_least = std::min(m_at_start, gap_of<Scalar>(m_kind, end));
+    m_squared_length = axis.square().sum();
   }
 
+  /// Whether between_middles().least is above a distance, without its root and division; no where that is close.
+  bool is_beyond(double distance, double rounding) const {
+    const auto limit = static_cast<Scalar>((distance + rounding) * (1.0 + 1e-5));
+    return m_least > Scalar(0) && m_least * m_least > limit * limit * m_squared_length && limit > Scalar(0);
+  }
   /// Along the direction between the middles at the start. `rounding` is what it may take off a gap [m].
   QuickGap between_middles(double rounding) const {
-    const Four<Scalar> axis = middle_axis(m_kind, m_places);
-    const Scalar length = std::sqrt(axis.square().sum());
+    const Scalar length = std::sqrt(m_squared_length);
     if (!(length > Scalar(0)))
       return {};
-    const Four<Scalar> start = along(axis, m_places);
-    const Four<Scalar> end = start + along(axis, m_ways);
-    // Between start and end the gap is the least of linear functions: never below both.
-    const Scalar at_start = gap_of<Scalar>(m_kind, start);
-    const Scalar least = std::min(at_start, gap_of<Scalar>(m_kind, end));
-    return {shrunk(at_start / length, rounding), shrunk(least / length, rounding)};
+    return {shrunk(m_at_start / length, rounding), shrunk(m_least / length, rounding)};
   }
 
   /// At the start, along the direction between the two nearest points: it tells most where primitives lie side by side.
@@ -139,7 +151,8 @@ private:
   static double shrunk(Scalar gap, double rounding) { return static_cast<double>(gap) * (1.0 - 1e-6) - rounding; }
 
   PairKind m_kind;
-  std::array<Four<Scalar>, 4> m_places, m_ways;
+  std::array<Four<Scalar>, 4> m_places;
+  Scalar m_at_start, m_least, m_squared_length; ///< gaps along the direction between the middles, times its length
 };
 
 /// What rounding takes off gaps of places and ways up to so much by coordinate [m]. With u, half a unit: between boxes,

@@ -24,6 +24,8 @@ public:
     const float least = static_cast<float>(limit) * (1.0F - 1e-6F) - m_rounding;
     if (!(least > 0.0F))
       return false;
+    if (m_most == 0.0F) // as at the start of a step, from where the list was made
+      return true;
     const auto way = [&](std::size_t k) -> const Eigen::Array4f& { return m_ways[static_cast<std::size_t>(nodes[k])]; };
     const bool edges = kind == PairKind::edge_edge;
     const Eigen::Array4f& other = way(edges ? 1 : 0); // of a point, its way to a third corner counts twice
@@ -34,6 +36,7 @@ public:
 
 private:
   std::vector<Eigen::Array4f> m_ways;
+  float m_most = 0.0F; ///< of a coordinate [m]
   float m_rounding = 0.0F;
 };
 

@@ -14,7 +14,9 @@ namespace {
 /// Share of the largest diagonal entry that passes for round-off: rigid motions have eigenvalue zero.
 constexpr double ROUND_OFF = 1e-9;
 
-template <int D, class Body> void for_each_entry(const Body& body) {
+constexpr int D = 6; // unknowns per node
+
+template <class Body> void for_each_entry(const Body& body) {
   int block = 0;
   for (int k = 0; k < 4; ++k) {
     for (int l = k; l < 4; ++l, ++block) {
@@ -41,7 +43,7 @@ enum class Elimination { definite, projected, impossible };
 /// rotations: an eighth of the work of clamping the whole, and no comparison of newtons per metre with newton metres.
 Elimination project_rotations(double* hessian, int lane, const std::array<double, 4>& inertia) {
   Matrix12 positions, mixed, rotations; // mixed: rows positions, columns rotations
-  for_each_entry<6>([&](int entry, int row, int column) {
+  for_each_entry([&](int entry, int row, int column) {
     const double value = hessian[entry * LANES + lane];
     const int k = row / 6 * 3 + row % 3;
     const int l = column / 6 * 3 + column % 3;
@@ -67,90 +69,40 @@ Elimination project_rotations(double* hessian, int lane, const std::array<double
     return Elimination::definite;
   const Eigen::SelfAdjointEigenSolver<Matrix12> eigen(rest);
   rotations -= eigen.eigenvectors() * eigen.eigenvalues().cwiseMin(0.0).asDiagonal() * eigen.eigenvectors().transpose();
-  for_each_entry<6>([&](int entry, int row, int column) {
+  for_each_entry([&](int entry, int row, int column) {
     if (row % 6 >= 3 && column % 6 >= 3)
       hessian[entry * LANES + lane] = rotations(row / 6 * 3 + row % 3, column / 6 * 3 + column % 3);
   });
   return Elimination::projected;
 }
 
-/// Clamps a linear tet's Hessian, all of whose energy is blind to translations, in the nine directions that are left:
-/// sums and differences of the nodes. `inertia` is the least of the nodes': what is projected lies below the sum.
-void project_apart_from_translations(double* hessian, int lane, double inertia) {
-  constexpr std::array<std::array<double, 4>, 3> DIFFERENCES = {
-      {{0.5, 0.5, -0.5, -0.5}, {0.5, -0.5, 0.5, -0.5}, {0.5, -0.5, -0.5, 0.5}}};
-  using Matrix9 = Eigen::Matrix<double, 9, 9>;
-  Matrix9 rest = Matrix9::Zero();
-  int block = 0;
-  for (std::size_t k = 0; k < 4; ++k) {
-    for (std::size_t l = k; l < 4; ++l, ++block) {
-      Mat3 entries;
-      for (int i = 0; i < 9; ++i)
-        entries(i / 3, i % 3) = hessian[(block * 9 + i) * LANES + lane];
-      for (int a = 0; a < 3; ++a) {
-        for (int b = 0; b < 3; ++b) {
-          const auto &first = DIFFERENCES[static_cast<std::size_t>(a)],
-                     &second = DIFFERENCES[static_cast<std::size_t>(b)];
-          rest.block<3, 3>(3 * a, 3 * b) += first[k] * second[l] * entries;
-          if (k != l)
-            rest.block<3, 3>(3 * a, 3 * b) += first[l] * second[k] * entries.transpose();
-        }
-      }
-    }
-  }
-  const Eigen::SelfAdjointEigenSolver<Matrix9> eigen(rest);
-  for (int mode = 0; mode < 9 && eigen.eigenvalues()[mode] < -inertia; ++mode) { // ascending
-    const double lack = -inertia - eigen.eigenvalues()[mode];
-    std::array<Vec3, 4> moved;
-    for (std::size_t k = 0; k < 4; ++k) {
-      moved[k].setZero();
-      for (int a = 0; a < 3; ++a)
-        moved[k] += DIFFERENCES[static_cast<std::size_t>(a)][k] * eigen.eigenvectors().col(mode).segment<3>(3 * a);
-    }
-    block = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      for (std::size_t l = k; l < 4; ++l, ++block) {
-        for (int i = 0; i < 9; ++i)
-          hessian[(block * 9 + i) * LANES + lane] += lack * moved[k][i / 3] * moved[l][i % 3];
-      }
-    }
-  }
-}
-
 } // namespace
 
-template <int D> bool project_element(double* hessian, int lane, const std::array<double, 4>& inertia) {
-  using Matrix = Eigen::Matrix<double, 4 * D, 4 * D>;
-  if (D == 6 && std::all_of(inertia.begin(), inertia.end(), [](double value) { return value > 0.0; })) {
+bool project_element(double* hessian, int lane, const std::array<double, 4>& inertia) {
+  using Matrix = Eigen::Matrix<double, 24, 24>;
+  if (std::all_of(inertia.begin(), inertia.end(), [](double value) { return value > 0.0; })) {
     const Elimination elimination = project_rotations(hessian, lane, inertia);
     if (elimination != Elimination::impossible)
       return elimination == Elimination::projected;
   }
   Matrix element;
-  for_each_entry<D>([&](int entry, int row, int column) {
+  for_each_entry([&](int entry, int row, int column) {
     element(row, column) = element(column, row) = hessian[entry * LANES + lane];
   });
   for (int k = 0; k < 4; ++k)
-    element.diagonal().template segment<3>(k * D).array() += inertia[static_cast<std::size_t>(k)];
+    element.diagonal().segment<3>(k * 6).array() += inertia[static_cast<std::size_t>(k)];
   const double scale = element.diagonal().cwiseAbs().maxCoeff();
   Matrix shifted = element;
   shifted.diagonal().array() += ROUND_OFF * scale;
   if (Eigen::LLT<Matrix>(shifted).info() == Eigen::Success)
     return false;
-  if constexpr (D == 3) {
-    project_apart_from_translations(hessian, lane, *std::min_element(inertia.begin(), inertia.end()));
-    return true;
-  }
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(element);
   Matrix clamped =
       eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
   for (int k = 0; k < 4; ++k)
-    clamped.diagonal().template segment<3>(k * D).array() -= inertia[static_cast<std::size_t>(k)];
-  for_each_entry<D>([&](int entry, int row, int column) { hessian[entry * LANES + lane] = clamped(row, column); });
+    clamped.diagonal().segment<3>(k * 6).array() -= inertia[static_cast<std::size_t>(k)];
+  for_each_entry([&](int entry, int row, int column) { hessian[entry * LANES + lane] = clamped(row, column); });
   return true;
 }
-
-template bool project_element<3>(double*, int, const std::array<double, 4>&);
-template bool project_element<6>(double*, int, const std::array<double, 4>&);
 
 } // namespace wry::fem

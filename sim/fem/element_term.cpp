@@ -24,6 +24,7 @@ ElementTerm::ElementTerm(ElementGroup group, std::vector<RestPlace> rest_places,
     : m_group(std::move(group))
     , m_isa(isa)
     , m_kernel(select_kernel(m_group, isa))
+    , m_project(find_projection(isa))
     , m_rest_places(std::move(rest_places))
     , m_rest_curvature(std::move(rest_curvature))
     , m_threads(threads) {
@@ -200,6 +201,24 @@ double ElementTerm::add_gradient(const Stage& stage, const Trial& trial, std::ve
   return sum;
 }
 
+int ElementTerm::project_batch(int batch, const Stage& stage, Projection projection, double* hessian) const {
+  const int lanes = lanes_of(batch);
+  alignas(64) double inertia[4][LANES] = {};
+  for (int k = 0; k < 4; ++k) {
+    for (int lane = 0; lane < lanes; ++lane)
+      inertia[k][lane] =
+          m_inertia.at(node_of(m_group, batch, k, lane), m_group.volume[static_cast<std::size_t>(batch) * LANES + lane],
+                       stage, projection);
+  }
+  if (m_group.dofs_per_node() == 3)
+    return m_project(hessian, lanes, inertia);
+  int projected = 0;
+  for (int lane = 0; lane < lanes; ++lane)
+    projected +=
+        project_element(hessian, lane, {inertia[0][lane], inertia[1][lane], inertia[2][lane], inertia[3][lane]});
+  return projected;
+}
+
 int ElementTerm::add_hessian(const Stage& stage, const Trial& trial, Projection projection, BlockMatrix& matrix) const {
   const NodeFields fields = fields_of(trial);
   const double scale = stage.beta * stage.beta;
@@ -210,15 +229,8 @@ int ElementTerm::add_hessian(const Stage& stage, const Trial& trial, Projection 
     BatchDerivatives out;
     for (int batch = m_chunks[index].begin; batch < m_chunks[index].end; ++batch) {
       m_kernel.hessian(m_group, fields, batch, out);
-      for (int lane = 0; is_of_elements(projection) && lane < lanes_of(batch); ++lane) {
-        std::array<double, 4> inertia;
-        for (int k = 0; k < 4; ++k)
-          inertia[static_cast<std::size_t>(k)] =
-              m_inertia.at(node_of(m_group, batch, k, lane),
-                           m_group.volume[static_cast<std::size_t>(batch) * LANES + lane], stage, projection);
-        projected[index] +=
-            classic ? project_element<3>(out.hessian, lane, inertia) : project_element<6>(out.hessian, lane, inertia);
-      }
+      if (is_of_elements(projection))
+        projected[index] += project_batch(batch, stage, projection, out.hessian);
       if (classic)
         scatter_hessian<3>(batch, out, scale, values);
       else

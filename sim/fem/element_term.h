@@ -8,6 +8,7 @@
 #include "sim/fem/body_elements.h"
 #include "sim/fem/element_kernels.h"
 #include "sim/fem/inertia_shares.h"
+#include "sim/fem/kernels/projection.h"
 
 namespace wry::fem {
 
@@ -58,11 +59,14 @@ private:
   int lanes_of(int batch) const;
   void for_each_chunk(const std::function<void(int chunk)>& body) const;
   template <int D> void scatter_gradient(int batch, const BatchDerivatives& in, double beta, double* gradient) const;
+  /// Returns how many elements of the batch were changed.
+  int project_batch(int batch, const Stage& stage, Projection projection, double* hessian) const;
   template <int D> void scatter_hessian(int batch, const BatchDerivatives& in, double scale, double* values) const;
 
   ElementGroup m_group;
   Isa m_isa;
   ElementKernel m_kernel;
+  ProjectElements m_project; ///< of classic models
   std::vector<RestPlace> m_rest_places;
   RestCurvature m_rest_curvature;
   double m_rest_curvature_time = 0.0;

@@ -1,8 +1,9 @@
 // The twisting mat: 960 cells of 12 tets, one thick, wound up from both ends by 72 degrees per second until it folds
 // over itself, in steps of 10 ms. Milliseconds per step by phase, over spans of half a second, as CSV; `over_limit`
 // counts the steps that took more than 200 ms. The last column is a hash of all bits of the state, which must not
-// depend on the number of threads. Usage: bench_fem_contact [seconds [threads [from]]]   (numbers of steps before
-// `from` seconds are not printed)
+// depend on the number of threads. Usage: bench_fem_contact [seconds [threads [from [steps [isa]]]]]:
+// numbers of steps before `from` seconds are not printed; `steps` is a file for a row per step; isa is auto, sse4, avx2
+// or avx512.
 
 #include <unistd.h>
 
@@ -77,10 +78,19 @@ int main(int count, char** arguments) {
   const double seconds = count > 1 ? std::atof(arguments[1]) : 5.0;
   const int threads = count > 2 ? std::atoi(arguments[2]) : 1;
   const double from = count > 3 ? std::atof(arguments[3]) : 0.0;
+  const Result<Isa> isa = parse_isa(count > 5 ? arguments[5] : "auto");
+  if (!isa) {
+    std::fprintf(stderr, "%s\n", isa.error().message.c_str());
+    return 2;
+  }
+  std::FILE* rows = count > 4 ? std::fopen(arguments[4], "w") : nullptr;
+  if (rows != nullptr)
+    std::fprintf(rows, "time_s,newton,projected,contacts,evaluate_ms,assemble_ms,solve_ms,search_ms,safe_step_ms,"
+                       "total_ms\n");
   char machine[256] = "unknown";
   gethostname(machine, sizeof(machine) - 1);
   const FemPlan plan = make_mat();
-  Result<std::unique_ptr<FemSimulation>> simulation = FemSimulation::create(plan, threads, native_isa());
+  Result<std::unique_ptr<FemSimulation>> simulation = FemSimulation::create(plan, threads, *isa);
   if (!simulation) {
     std::fprintf(stderr, "%s\n", simulation.error().message.c_str());
     return 1;
@@ -110,6 +120,10 @@ int main(int count, char** arguments) {
       sum.safe_step_ms += stats->safe_step_ms;
       sum.total_ms += stats->total_ms;
       longest = std::max(longest, stats->total_ms);
+      if (rows != nullptr)
+        std::fprintf(rows, "%.2f,%d,%d,%d,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f\n", stats->time, stats->newton_iterations,
+                     stats->projected_elements, stats->contacts, stats->evaluate_ms, stats->assemble_ms,
+                     stats->solve_ms, stats->contact_search_ms, stats->safe_step_ms, stats->total_ms);
     }
     if (end < from)
       continue;
@@ -122,5 +136,7 @@ int main(int count, char** arguments) {
                 static_cast<unsigned long long>(hash_of((*simulation)->archive())));
     std::fflush(stdout);
   }
+  if (rows != nullptr)
+    std::fclose(rows);
   return 0;
 }

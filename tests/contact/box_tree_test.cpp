@@ -152,19 +152,19 @@ template <class Scalar> void expect_no_quick_gap_is_too_large() {
   const auto triple = [&] { return Four<Scalar>(number(random), number(random), number(random), Scalar(0)); };
   int told = 0;
   for (int round = 0; round < 3000; ++round) {
-    std::vector<MovingBoxOf<Scalar>> nodes;
+    std::vector<MovingPoint<Scalar>> nodes;
     nodes.reserve(4);
     for (int k = 0; k < 4; ++k)
-      nodes.push_back(MovingBoxOf<Scalar>::of(triple(), triple()));
+      nodes.push_back({triple(), triple()});
     const double rounding = rounding_of_boxes<Scalar>(1.0);
     for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
       const QuickPair<Scalar> quick(kind, {0, 1, 2, 3}, nodes);
       const auto distance_at = [&](double time) {
         PairPoints points;
         for (int k = 0; k < 4; ++k) {
-          const MovingBoxOf<Scalar>& node = nodes[static_cast<std::size_t>(k)];
+          const MovingPoint<Scalar>& node = nodes[static_cast<std::size_t>(k)];
           points.row(k) =
-              (node.low.template cast<double>() + time * node.way_low.template cast<double>()).template head<3>();
+              (node.place.template cast<double>() + time * node.way.template cast<double>()).template head<3>();
         }
         return std::sqrt(squared_distance(kind, points));
       };
@@ -174,6 +174,13 @@ template <class Scalar> void expect_no_quick_gap_is_too_large() {
       for (int step = 0; step <= 8; ++step)
         EXPECT_LE(gap.least, distance_at(step / 8.0));
       told += gap.least > 0.0 ? 1 : 0;
+      for (const double distance : {0.0, 0.1, 0.5, std::max(gap.least, 0.0)}) {
+        if (quick.is_beyond(distance, rounding)) {
+          EXPECT_GT(gap.least, distance);
+        } else {
+          EXPECT_LT(gap.least, (distance + rounding) * 1.0001);
+        }
+      }
     }
   }
   EXPECT_GT(told, 300);

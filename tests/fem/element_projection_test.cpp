@@ -1,15 +1,19 @@
 #include "sim/fem/element_projection.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 
+#include "sim/base/aligned.h"
 #include "sim/base/types.h"
 #include "sim/fem/inertia_shares.h"
+#include "sim/fem/kernels/projection.h"
 
 namespace wry::fem {
 namespace {
@@ -19,7 +23,7 @@ template <int D> struct Lane {
   static constexpr int SIZE = 4 * D;
   using Matrix = Eigen::Matrix<double, SIZE, SIZE>;
   static constexpr int NUMBER = 3;
-  std::vector<double> storage = std::vector<double>(10 * D * D * LANES, 7.0);
+  AlignedVector<double> storage = AlignedVector<double>(10 * D * D * LANES, 7.0);
 
   template <class Body> static void for_each_entry(const Body& body) {
     int block = 0;
@@ -69,23 +73,49 @@ template <int D> typename Lane<D>::Matrix indefinite_element() {
   }
 }
 
-template <int D> void check_projection() {
+/// Whether the lane was changed.
+template <int D> bool project(Lane<D>& lane, const std::array<double, 4>& inertia, Isa isa) {
+  if constexpr (D == 6) {
+    return project_element(lane.storage.data(), Lane<D>::NUMBER, inertia);
+  } else {
+    alignas(64) double of_lanes[4][LANES];
+    for (std::size_t k = 0; k < 4; ++k)
+      std::fill(of_lanes[k], of_lanes[k] + LANES, inertia[k]);
+    return find_projection(isa)(lane.storage.data(), Lane<D>::NUMBER + 1, of_lanes) > 0;
+  }
+}
+
+std::vector<Isa> sets_here() {
+  std::vector<Isa> sets;
+  for (const Isa isa : {Isa::sse4, Isa::avx2, Isa::avx512}) {
+    if (isa <= native_isa())
+      sets.push_back(isa);
+  }
+  return sets;
+}
+
+template <int D> void check_projection(Isa isa) {
   using Matrix = typename Lane<D>::Matrix;
   Lane<D> lane;
+  std::fill(lane.storage.begin(), lane.storage.end(), 0.0); // of the neighbours, too
   const Matrix original = indefinite_element<D>();
   lane.put(original);
-  ASSERT_TRUE(project_element<D>(lane.storage.data(), Lane<D>::NUMBER, {}));
+  ASSERT_TRUE(project<D>(lane, {}, isa));
   const Matrix projected = lane.get();
   const Eigen::SelfAdjointEigenSolver<Matrix> alone(projected);
   EXPECT_NEAR(alone.eigenvalues().minCoeff(), 0.0, 1e-12);
   EXPECT_NEAR(alone.eigenvalues().maxCoeff(), 2.0, 1e-12);
-  EXPECT_EQ(lane.storage[Lane<D>::NUMBER - 1], 7.0) << "a neighbour in the batch was touched";
+  for (std::size_t i = 0; i < lane.storage.size(); ++i) {
+    if (i % LANES != Lane<D>::NUMBER) {
+      EXPECT_EQ(lane.storage[i], 0.0) << "a neighbour in the batch was touched";
+    }
+  }
 
   // With inertia: what is projected is the sum, so less of the matrix changes.
   const std::array<double, 4> even = {0.3, 0.3, 0.3, 0.3}, uneven = {0.3, 0.4, 0.5, 0.6};
   for (const std::array<double, 4>& inertia : {even, uneven}) {
     lane.put(original);
-    ASSERT_TRUE(project_element<D>(lane.storage.data(), Lane<D>::NUMBER, inertia));
+    ASSERT_TRUE(project<D>(lane, inertia, isa));
     Matrix sum = lane.get();
     EXPECT_LT((sum - original).norm(), (projected - original).norm());
     for (int k = 0; k < 4; ++k)
@@ -99,16 +129,75 @@ template <int D> void check_projection() {
 }
 
 TEST(ProjectElement, MakesWhatIsLeftSemidefiniteAndNoMore) {
-  check_projection<3>();
-  check_projection<6>();
+  for (const Isa isa : sets_here())
+    check_projection<3>(isa);
+  check_projection<6>(Isa::sse4);
+}
+
+TEST(ProjectElement, ClampsEachElementOfABatchAsEigenvaluesSay) {
+  // Elements with none to nine negative eigenvalues of all sizes, pairs of them equal, one in each lane.
+  using Matrix = Lane<3>::Matrix;
+  const Eigen::Matrix<double, 12, 12> basis = [] {
+    Eigen::Matrix<double, 12, 12> directions = Eigen::Matrix<double, 12, 12>::Identity();
+    for (int node = 0; node < 4; ++node)
+      directions.block<3, 3>(3 * node, 0) = Mat3::Identity();
+    return Eigen::Matrix<double, 12, 12>(
+        Eigen::HouseholderQR<Eigen::Matrix<double, 12, 12>>(directions).householderQ());
+  }();
+  std::mt19937 random(23);
+  std::normal_distribution<double> normal;
+  for (const Isa isa : sets_here()) {
+    for (int round = 0; round < 40; ++round) {
+      AlignedVector<double> storage(90 * LANES);
+      std::vector<Matrix> before, wanted;
+      alignas(64) double inertia[4][LANES];
+      const double scale = std::pow(10.0, normal(random) * 3.0);
+      int indefinite = 0;
+      const int count = round % 3 == 0 ? 5 : LANES;
+      for (int lane = 0; lane < LANES; ++lane) {
+        Eigen::Matrix<double, 9, 9> turn;
+        for (int i = 0; i < 81; ++i)
+          turn(i / 9, i % 9) = normal(random);
+        turn = Eigen::HouseholderQR<Eigen::Matrix<double, 9, 9>>(turn).householderQ();
+        Eigen::Matrix<double, 9, 1> values, clamped;
+        const double mass = round % 2 == 0 ? 0.0 : 0.1 * scale;
+        for (int i = 0; i < 9; ++i)
+          values[i] = scale * (std::abs(normal(random)) * (i < (lane + round) % 10 ? -1.0 : 1.0) + 1e-3);
+        if (round % 5 == 0)
+          values[1] = values[0];
+        for (int i = 0; i < 9; ++i)
+          clamped[i] = std::max(values[i], -mass);
+        const Eigen::Matrix<double, 12, 9> rest = basis.rightCols<9>() * turn;
+        before.push_back(rest * values.asDiagonal() * rest.transpose());
+        wanted.push_back(rest * clamped.asDiagonal() * rest.transpose());
+        indefinite += lane < count && (values.array() < -mass).any() ? 1 : 0;
+        for (int k = 0; k < 4; ++k)
+          inertia[k][lane] = mass;
+        Lane<3>::for_each_entry([&](int entry, int row, int column) {
+          storage[static_cast<std::size_t>(entry - Lane<3>::NUMBER + lane)] = before.back()(row, column);
+        });
+      }
+      EXPECT_EQ(find_projection(isa)(storage.data(), count, inertia), indefinite);
+      for (std::size_t lane = 0; lane < LANES; ++lane) {
+        const Matrix& expected = static_cast<int>(lane) < count ? wanted[lane] : before[lane];
+        Matrix found;
+        Lane<3>::for_each_entry([&](int entry, int row, int column) {
+          found(row, column) = found(column, row) = storage[static_cast<std::size_t>(entry - Lane<3>::NUMBER) + lane];
+        });
+        EXPECT_LT((found - expected).norm(), 1e-13 * scale * 9.0);
+      }
+    }
+  }
 }
 
 TEST(ProjectElement, LeavesElementsAloneThatInertiaHolds) {
   Lane<3> lane;
   const Lane<3>::Matrix original = indefinite<Lane<3>::Matrix>();
   lane.put(original);
-  EXPECT_FALSE(project_element<3>(lane.storage.data(), Lane<3>::NUMBER, {1.1, 1.1, 1.1, 1.1}));
-  EXPECT_EQ(lane.get(), original);
+  for (const Isa isa : sets_here()) {
+    EXPECT_FALSE(project<3>(lane, {1.1, 1.1, 1.1, 1.1}, isa));
+    EXPECT_EQ(lane.get(), original);
+  }
 }
 
 TEST(ProjectElement, ChangesOnlyRotationsWherePositionsAreDefinite) {
@@ -118,7 +207,7 @@ TEST(ProjectElement, ChangesOnlyRotationsWherePositionsAreDefinite) {
     original.diagonal().segment<3>(6 * k).array() += 1.0;
   lane.put(original);
   const std::array<double, 4> inertia = {0.1, 0.2, 0.3, 0.4};
-  ASSERT_TRUE(project_element<6>(lane.storage.data(), Lane<6>::NUMBER, inertia));
+  ASSERT_TRUE(project_element(lane.storage.data(), Lane<6>::NUMBER, inertia));
   const Lane<6>::Matrix projected = lane.get();
   for (int row = 0; row < 24; ++row) {
     for (int column = 0; column < 24; ++column) {
