@@ -234,8 +234,6 @@ struct PartlyThin final : ColliderField::Shape {
     const Vec3 away = point - closest.point;
     return {distance, closest.distance > 1e-12 ? Vec3(away / closest.distance) : tree.pseudonormal(closest)};
   }
-
-private:
   double lower_bound(const Vec3& centre) const {
     const geometry::ClosestPoint closest = tree.closest_within(centre, seen + most_growth);
     return std::min(distance_to_solid(centre), closest.triangle < 0 ? seen : closest.distance - most_growth);

@@ -14,6 +14,7 @@
 #include "sim/base/types.h"
 #include "sim/fem/inertia_shares.h"
 #include "sim/fem/kernels/projection.h"
+#include "tests/runnable_isas.h"
 
 namespace wry::fem {
 namespace {
@@ -85,15 +86,6 @@ template <int D> bool project(Lane<D>& lane, const std::array<double, 4>& inerti
   }
 }
 
-std::vector<Isa> sets_here() {
-  std::vector<Isa> sets;
-  for (const Isa isa : {Isa::sse4, Isa::avx2, Isa::avx512}) {
-    if (isa <= native_isa())
-      sets.push_back(isa);
-  }
-  return sets;
-}
-
 template <int D> void check_projection(Isa isa) {
   using Matrix = typename Lane<D>::Matrix;
   Lane<D> lane;
@@ -129,7 +121,7 @@ template <int D> void check_projection(Isa isa) {
 }
 
 TEST(ProjectElement, MakesWhatIsLeftSemidefiniteAndNoMore) {
-  for (const Isa isa : sets_here())
+  for (const Isa isa : test::runnable_isas())
     check_projection<3>(isa);
   check_projection<6>(Isa::sse4);
 }
@@ -146,7 +138,7 @@ TEST(ProjectElement, ClampsEachElementOfABatchAsEigenvaluesSay) {
   }();
   std::mt19937 random(23);
   std::normal_distribution<double> normal;
-  for (const Isa isa : sets_here()) {
+  for (const Isa isa : test::runnable_isas()) {
     for (int round = 0; round < 40; ++round) {
       AlignedVector<double> storage(90 * LANES);
       std::vector<Matrix> before, wanted;
@@ -194,7 +186,7 @@ TEST(ProjectElement, LeavesElementsAloneThatInertiaHolds) {
   Lane<3> lane;
   const Lane<3>::Matrix original = indefinite<Lane<3>::Matrix>();
   lane.put(original);
-  for (const Isa isa : sets_here()) {
+  for (const Isa isa : test::runnable_isas()) {
     EXPECT_FALSE(project<3>(lane, {1.1, 1.1, 1.1, 1.1}, isa));
     EXPECT_EQ(lane.get(), original);
   }

@@ -149,15 +149,6 @@ std::vector<KernelCase> all_kernel_cases() {
   return cases;
 }
 
-std::vector<Isa> runnable_isas() {
-  std::vector<Isa> isas;
-  for (const Isa isa : {Isa::sse4, Isa::avx2, Isa::avx512}) {
-    if (isa <= native_isa())
-      isas.push_back(isa);
-  }
-  return isas;
-}
-
 double& KernelSample::dof(int element, int i) {
   const int dofs = group.dofs_per_node();
   const int node = 4 * element + i / dofs;

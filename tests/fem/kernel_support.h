@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "sim/fem/element_kernels.h"
+#include "tests/runnable_isas.h"
 
 namespace wry::fem {
 
@@ -24,8 +25,7 @@ struct KernelCase {
 /// Every model of the table with every curvature, basis and couple modulus that it can have.
 std::vector<KernelCase> all_kernel_cases();
 
-/// The sets that this machine can run.
-std::vector<Isa> runnable_isas();
+using test::runnable_isas;
 
 /// Elements with fields of their own: element e owns nodes 4 e .. 4 e + 3.
 struct KernelSample {

@@ -10,20 +10,12 @@
 #include "sim/base/rotation.h"
 #include "sim/mpm/grains/grain_kernels.h"
 #include "sim/mpm/matter/orientation.h"
+#include "tests/runnable_isas.h"
 
 namespace wry::mpm {
 namespace {
 
 constexpr double CELL = 0.02;
-
-std::vector<Isa> sets_here() {
-  std::vector<Isa> sets;
-  for (const Isa isa : {Isa::sse4, Isa::avx2, Isa::avx512}) {
-    if (isa <= native_isa())
-      sets.push_back(isa);
-  }
-  return sets;
-}
 
 struct Grain {
   Vec3 position = Vec3::Zero(), velocity = Vec3::Zero(), spin = Vec3::Zero();
@@ -135,7 +127,7 @@ std::vector<Grain> carry(const std::vector<Grain>& grains, const FlowNodes& node
 }
 
 class GrainKernels : public testing::TestWithParam<Isa> {};
-INSTANTIATE_TEST_SUITE_P(Each, GrainKernels, testing::ValuesIn(sets_here()),
+INSTANTIATE_TEST_SUITE_P(Each, GrainKernels, testing::ValuesIn(test::runnable_isas()),
                          [](const auto& set) { return std::string(isa_name(set.param)); });
 
 TEST_P(GrainKernels, CarryGrainsWithTheMidpointOfALinearFlow) {

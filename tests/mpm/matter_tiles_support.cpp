@@ -112,13 +112,4 @@ ConstitutiveReport run_kernel(const Material& material, Isa isa, double dt, std:
 template ConstitutiveReport run_kernel<float>(const Material&, Isa, double, std::vector<Sample>&);
 template ConstitutiveReport run_kernel<double>(const Material&, Isa, double, std::vector<Sample>&);
 
-std::vector<Isa> runnable_isas() {
-  std::vector<Isa> isas;
-  for (const Isa isa : {Isa::sse4, Isa::avx2, Isa::avx512}) {
-    if (isa <= native_isa())
-      isas.push_back(isa);
-  }
-  return isas;
-}
-
 } // namespace wry::mpm::test

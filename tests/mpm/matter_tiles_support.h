@@ -4,6 +4,7 @@
 
 #include "sim/base/aligned.h"
 #include "sim/mpm/matter/make_matter.h"
+#include "tests/runnable_isas.h"
 
 /// Matter kernels on particles that a test writes one by one.
 namespace wry::mpm::test {
@@ -24,6 +25,6 @@ struct Sample {
 template <class T>
 ConstitutiveReport run_kernel(const Material& material, Isa isa, double dt, std::vector<Sample>& samples);
 
-std::vector<Isa> runnable_isas();
+using wry::test::runnable_isas;
 
 } // namespace wry::mpm::test
