@@ -1,100 +1,121 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
-#include <xmmintrin.h>
-
 #include "sim/contact/moving_box.h"
+#include "sim/contact/search_kernels.h"
 
 namespace wry::contact {
 
-/// Up to four boxes, each of which is asked whether it meets another; those that were never put meet none.
-template <class AnyBox> class BoxPack {
-public:
-  void put(int lane, const AnyBox& box) {
-    m_boxes[static_cast<std::size_t>(lane)] = box;
-    m_count = std::max(m_count, lane + 1);
-  }
-  /// A bit per box.
-  unsigned meeting(const AnyBox& box) const {
-    unsigned mask = 0;
-    for (int lane = 0; lane < m_count; ++lane)
-      mask |= static_cast<unsigned>(m_boxes[static_cast<std::size_t>(lane)].meets(box)) << lane;
-    return mask;
-  }
-  AnyBox whole() const {
-    AnyBox box = m_boxes[0];
-    for (int lane = 1; lane < m_count; ++lane)
-      box.include(m_boxes[static_cast<std::size_t>(lane)]);
-    return box;
-  }
-  /// The sides of all, summed.
-  double sizes() const {
-    double sum = 0.0;
-    for (int lane = 0; lane < m_count; ++lane) {
-      const AnyBox& box = m_boxes[static_cast<std::size_t>(lane)];
-      for (int i = 0; i < 3; ++i)
-        sum += box.high[i] - box.low[i];
-    }
-    return sum;
-  }
+/// An axis-aligned box [m].
+struct Box {
+  double low[3];
+  double high[3];
 
-private:
-  std::array<AnyBox, 4> m_boxes;
-  int m_count = 0;
+  bool meets(const Box& other) const {
+    return low[0] <= other.high[0] && other.low[0] <= high[0] && low[1] <= other.high[1] && other.low[1] <= high[1] &&
+           low[2] <= other.high[2] && other.low[2] <= high[2];
+  }
+  void include(const Box& other) {
+    for (int i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], other.low[i]);
+      high[i] = std::max(high[i], other.high[i]);
+    }
+  }
+  void grow(double by) {
+    for (int i = 0; i < 3; ++i) {
+      low[i] -= by;
+      high[i] += by;
+    }
+  }
 };
 
-/// In single precision all four are asked at once.
-template <> class BoxPack<MovingBox> {
-public:
-  BoxPack() {
-    constexpr float NEVER = std::numeric_limits<float>::infinity();
-    m_low.fill(Eigen::Array4f::Constant(NEVER));
-    m_high.fill(Eigen::Array4f::Constant(-NEVER));
-    m_way_low = m_low;
-    m_way_high = m_high;
-  }
-  void put(int lane, const MovingBox& box) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto axis = static_cast<Eigen::Index>(i);
-      m_low[i][lane] = box.low[axis];
-      m_high[i][lane] = box.high[axis];
-      m_way_low[i][lane] = box.way_low[axis];
-      m_way_high[i][lane] = box.way_high[axis];
-    }
-  }
-  unsigned meeting(const MovingBox& box) const {
-    Eigen::Array4f gap = Eigen::Array4f::Zero();
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto axis = static_cast<Eigen::Index>(i);
-      const Eigen::Array4f below = (m_low[i] - box.high[axis]) + (m_way_low[i] - box.way_high[axis]).min(0.0F);
-      const Eigen::Array4f above = (box.low[axis] - m_high[i]) + (box.way_low[axis] - m_way_high[i]).min(0.0F);
-      gap = gap.max(below.max(above));
-    }
-    const __m128 apart = _mm_cmpgt_ps(_mm_load_ps(gap.data()), _mm_setzero_ps());
-    return static_cast<unsigned>(_mm_movemask_ps(apart)) ^ 15U;
-  }
-  MovingBox whole() const {
-    MovingBox box = MovingBox::of(Eigen::Array4f::Zero(), Eigen::Array4f::Zero());
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto axis = static_cast<Eigen::Index>(i);
-      box.low[axis] = m_low[i].minCoeff();
-      box.high[axis] = m_high[i].maxCoeff();
-      box.way_low[axis] = m_way_low[i].minCoeff();
-      box.way_high[axis] = m_way_high[i].maxCoeff();
-    }
-    return box;
-  }
-  double sizes() const {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < 3; ++i)
-      sum += static_cast<double>((m_high[i] - m_low[i]).max(0.0F).sum());
-    return sum;
-  }
+// A pack is the boxes of a tree's node, at most four. To a new one boxes are put by their places; those that were never
+// put meet none.
 
-private:
-  std::array<Eigen::Array4f, 3> m_low, m_high, m_way_low, m_way_high; ///< by axis, then box
+template <class AnyBox> struct PackOf;
+
+struct BoxPack {
+  std::array<Box, 4> boxes;
+  int count = 0;
 };
+template <> struct PackOf<Box> {
+  using Type = BoxPack;
+};
+
+inline void clear(BoxPack& pack) {
+  pack.count = 0;
+}
+inline void put(BoxPack& pack, int lane, const Box& box) {
+  pack.boxes[static_cast<std::size_t>(lane)] = box;
+  pack.count = std::max(pack.count, lane + 1);
+}
+inline Box whole(const BoxPack& pack) {
+  Box box = pack.boxes[0];
+  for (int lane = 1; lane < pack.count; ++lane)
+    box.include(pack.boxes[static_cast<std::size_t>(lane)]);
+  return box;
+}
+/// The sides of all, summed.
+inline double sizes(const BoxPack& pack) {
+  double sum = 0.0;
+  for (int lane = 0; lane < pack.count; ++lane) {
+    const Box& box = pack.boxes[static_cast<std::size_t>(lane)];
+    for (int i = 0; i < 3; ++i)
+      sum += box.high[i] - box.low[i];
+  }
+  return sum;
+}
+/// A bit per box.
+inline unsigned meeting(const BoxPack& pack, const Box& box) {
+  unsigned mask = 0;
+  for (int lane = 0; lane < pack.count; ++lane)
+    mask |= static_cast<unsigned>(pack.boxes[static_cast<std::size_t>(lane)].meets(box)) << lane;
+  return mask;
+}
+
+template <class T> struct PackOf<MovingBoxOf<T>> {
+  using Type = MovingBoxes<T>;
+};
+
+template <class T> void clear(MovingBoxes<T>& pack) {
+  constexpr T NEVER = std::numeric_limits<T>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    std::fill_n(pack.low[i], 4, NEVER);
+    std::fill_n(pack.high[i], 4, -NEVER);
+    std::fill_n(pack.way_low[i], 4, NEVER);
+    std::fill_n(pack.way_high[i], 4, -NEVER);
+  }
+}
+template <class T> void put(MovingBoxes<T>& pack, int lane, const MovingBoxOf<T>& box) {
+  for (int i = 0; i < 3; ++i) {
+    pack.low[i][lane] = box.low[i];
+    pack.high[i][lane] = box.high[i];
+    pack.way_low[i][lane] = box.way_low[i];
+    pack.way_high[i][lane] = box.way_high[i];
+  }
+}
+/// Four numbers of a pack.
+template <class T> Eigen::Map<const Four<T>> four(const T* numbers) {
+  return Eigen::Map<const Four<T>>(numbers);
+}
+template <class T> MovingBoxOf<T> whole(const MovingBoxes<T>& pack) {
+  MovingBoxOf<T> box = MovingBoxOf<T>::of(Four<T>::Zero(), Four<T>::Zero());
+  for (int i = 0; i < 3; ++i) {
+    box.low[i] = four(pack.low[i]).minCoeff();
+    box.high[i] = four(pack.high[i]).maxCoeff();
+    box.way_low[i] = four(pack.way_low[i]).minCoeff();
+    box.way_high[i] = four(pack.way_high[i]).maxCoeff();
+  }
+  return box;
+}
+template <class T> double sizes(const MovingBoxes<T>& pack) {
+  double sum = 0.0;
+  for (int i = 0; i < 3; ++i)
+    sum += static_cast<double>((four(pack.high[i]) - four(pack.low[i])).max(T(0)).sum());
+  return sum;
+}
 
 } // namespace wry::contact

@@ -1,5 +1,6 @@
 #include "sim/contact/box_search.h"
 
+#include <algorithm>
 #include <array>
 
 namespace wry::contact {
@@ -38,16 +39,26 @@ void put_boxes(const std::vector<Primitive>& primitives, const std::vector<AnyBo
   });
 }
 
+template <class T> void set_around(TreeQuery<T>& query, const MovingBoxOf<T>& box) {
+  for (int i = 0; i < 3; ++i) {
+    query.low[i] = box.low[i];
+    query.high[i] = box.high[i];
+    query.way_low[i] = box.way_low[i];
+    query.way_high[i] = box.way_high[i];
+  }
+}
+
 } // namespace
 
 std::vector<std::size_t> first_points_of_parts(const Surface& surface) {
   return first_of_parts(surface, surface.points(), [](std::int32_t point) { return point; });
 }
 
-template <class AnyBox>
-BoxSearch<AnyBox>::BoxSearch(const Surface& surface, const Threads& threads)
+template <class T>
+BoxSearch<T>::BoxSearch(const Surface& surface, const Threads& threads, FindInTree<T> find_in_tree)
     : m_surface(surface)
     , m_threads(threads)
+    , m_find_in_tree(find_in_tree)
     , m_first_point(first_points_of_parts(surface))
     , m_first_edge(first_of_parts(surface, surface.edges(), [](const Surface::Edge& edge) { return edge[0]; }))
     , m_first_triangle(
@@ -56,8 +67,8 @@ BoxSearch<AnyBox>::BoxSearch(const Surface& surface, const Threads& threads)
     , m_edge_trees(static_cast<std::size_t>(surface.part_count()))
     , m_partners(static_cast<std::size_t>(surface.part_count())) {}
 
-template <class AnyBox>
-void BoxSearch<AnyBox>::update(const std::vector<AnyBox>& nodes, PairGroup group, double distance) {
+template <class T>
+void BoxSearch<T>::update(const std::vector<AnyBox>& nodes, PairGroup group, double distance) {
   m_nodes = &nodes;
   m_distance = distance;
   put_boxes(m_surface.triangles(), nodes, m_threads, m_triangle_boxes);
@@ -73,7 +84,7 @@ void BoxSearch<AnyBox>::update(const std::vector<AnyBox>& nodes, PairGroup group
 }
 
 /// Parts whose boxes, grown by the distance, meet.
-template <class AnyBox> void BoxSearch<AnyBox>::find_partners(PairGroup group) {
+template <class T> void BoxSearch<T>::find_partners(PairGroup group) {
   const std::size_t parts = m_partners.size();
   std::vector<AnyBox> bounds(parts);
   for (std::size_t part = 0; part < parts; ++part) {
@@ -100,64 +111,83 @@ template <class AnyBox> void BoxSearch<AnyBox>::find_partners(PairGroup group) {
   }
 }
 
-template <class AnyBox>
-void BoxSearch<AnyBox>::add_triangles(std::int32_t begin, std::int32_t end, std::vector<CandidatePair>& out) const {
+/// Calls take(hit) for every box of the tree that the query meets.
+template <class T>
+template <class Take>
+void BoxSearch<T>::find(const TreeOf<AnyBox>& tree, const TreeQuery<T>& query, const Take& take) const {
+  if (tree.nodes().empty())
+    return;
+  std::array<TreeHit, 512> hits;
+  TreeWalk walk;
+  while (walk.depth > 0) {
+    const int count = m_find_in_tree(tree.nodes().data(), query, walk, hits.data(), static_cast<int>(hits.size()));
+    std::for_each(hits.begin(), hits.begin() + count, take);
+  }
+}
+
+template <class T>
+void BoxSearch<T>::add_triangles(std::int32_t begin, std::int32_t end, std::vector<CandidatePair>& out) const {
+  TreeQuery<T> query;
+  clear(query.boxes);
+  query.after[0] = -1;
   for (std::int32_t point = begin; point < end; ++point) {
     const std::int32_t node = m_surface.points()[static_cast<std::size_t>(point)];
     AnyBox box = (*m_nodes)[static_cast<std::size_t>(node)];
     box.grow(m_distance);
-    const auto take = [&](std::int32_t j) {
-      const Surface::Triangle& t = m_surface.triangles()[static_cast<std::size_t>(j)];
+    put(query.boxes, 0, box);
+    query.count = 1;
+    set_around(query, box);
+    const auto take = [&](const TreeHit& hit) {
+      const Surface::Triangle& t = m_surface.triangles()[static_cast<std::size_t>(hit.index)];
       if (!has_node(t, node))
-        out.push_back({{node, t[0], t[1], t[2]}, point, j});
+        out.push_back({{node, t[0], t[1], t[2]}, point, hit.index});
     };
     for (const int other : m_partners[static_cast<std::size_t>(m_surface.part_of_node(node))])
-      m_triangle_trees[static_cast<std::size_t>(other)].query(box, take);
+      find(m_triangle_trees[static_cast<std::size_t>(other)], query, take);
   }
 }
 
 /// Edges come in the order of their first nodes: those of a group are mostly a fan.
-template <class AnyBox>
-void BoxSearch<AnyBox>::add_edges(std::int32_t begin, std::int32_t end, std::vector<CandidatePair>& out) const {
+template <class T>
+void BoxSearch<T>::add_edges(std::int32_t begin, std::int32_t end, std::vector<CandidatePair>& out) const {
   const std::vector<Surface::Edge>& edges = m_surface.edges();
   const auto part_of = [&](std::int32_t edge) {
     return m_surface.part_of_node(edges[static_cast<std::size_t>(edge)][0]);
   };
   while (begin < end) {
     const int part = part_of(begin);
-    AnyBox around = m_edge_boxes[static_cast<std::size_t>(begin)];
-    around.grow(m_distance);
-    std::array<AnyBox, GROUP> boxes;
-    boxes.fill(around);
-    std::array<std::int32_t, GROUP> self{};
     const std::int32_t first = begin;
-    int count = 0;
-    for (; begin < end && part_of(begin) == part; ++begin, ++count) {
-      AnyBox& box = boxes[static_cast<std::size_t>(count)];
-      box = m_edge_boxes[static_cast<std::size_t>(begin)];
-      box.grow(m_distance);
+    TreeQuery<T> query;
+    clear(query.boxes);
+    AnyBox around = m_edge_boxes[static_cast<std::size_t>(begin)];
+    for (; begin < end && query.count < 4 && part_of(begin) == part; ++begin, ++query.count) {
+      AnyBox box = m_edge_boxes[static_cast<std::size_t>(begin)];
       around.include(box);
-      self[static_cast<std::size_t>(count)] = begin;
+      box.grow(m_distance);
+      put(query.boxes, query.count, box);
+      query.after[query.count] = begin;
     }
-    const auto take = [&](int which, std::int32_t j) {
-      const std::int32_t edge = first + which;
+    around.grow(m_distance);
+    set_around(query, around);
+    const auto take = [&](const TreeHit& hit) {
+      const std::int32_t edge = first + hit.which;
       const Surface::Edge& e = edges[static_cast<std::size_t>(edge)];
-      const Surface::Edge& f = edges[static_cast<std::size_t>(j)];
+      const Surface::Edge& f = edges[static_cast<std::size_t>(hit.index)];
       if (!share_node(e, f))
-        out.push_back({{e[0], e[1], f[0], f[1]}, edge, j});
+        out.push_back({{e[0], e[1], f[0], f[1]}, edge, hit.index});
     };
     for (const int other : m_partners[static_cast<std::size_t>(part)]) {
       if (other >= part)
-        m_edge_trees[static_cast<std::size_t>(other)].query(boxes.data(), count, around, self.data(), take);
+        find(m_edge_trees[static_cast<std::size_t>(other)], query, take);
     }
   }
 }
 
-template <class AnyBox> std::size_t BoxSearch<AnyBox>::memory_bytes() const {
+template <class T> std::size_t BoxSearch<T>::memory_bytes() const {
   return 2 * (m_triangle_boxes.capacity() + m_edge_boxes.capacity()) * sizeof(AnyBox);
 }
 
-template class BoxSearch<MovingBox>;
-template class BoxSearch<WideMovingBox>;
+template class BoxSearch<float>;
+template class BoxSearch<double>;
 
 } // namespace wry::contact

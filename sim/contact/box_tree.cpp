@@ -1,5 +1,6 @@
 #include "sim/contact/box_tree.h"
 
+#include <array>
 #include <numeric>
 
 namespace wry::contact {
@@ -37,8 +38,8 @@ template <class AnyBox> void TreeOf<AnyBox>::refit(const std::vector<AnyBox>& bo
   for (std::size_t index = m_nodes.size(); index-- > 0;) {
     Node& node = m_nodes[index];
     for (std::int32_t lane = 0; lane < node.count; ++lane) {
-      const std::int32_t child = node.child[static_cast<std::size_t>(lane)];
-      node.pack.put(lane, node.is_leaf ? boxes[child] : m_nodes[child].pack.whole());
+      const std::int32_t child = node.child[lane];
+      put(node.pack, lane, node.is_leaf ? boxes[child] : whole(m_nodes[child].pack));
     }
   }
 }
@@ -48,7 +49,7 @@ template <class AnyBox> double TreeOf<AnyBox>::looseness() const {
   double nodes = 0.0;
   double members = 0.0;
   for (const Node& node : m_nodes)
-    (node.is_leaf ? members : nodes) += node.pack.sizes();
+    (node.is_leaf ? members : nodes) += sizes(node.pack);
   return members > 0.0 ? nodes / members : 0.0;
 }
 
@@ -86,13 +87,13 @@ std::int32_t TreeOf<AnyBox>::halve(const std::vector<AnyBox>& boxes, std::int32_
 template <class AnyBox>
 std::int32_t TreeOf<AnyBox>::build_node(const std::vector<AnyBox>& boxes, std::int32_t begin, std::int32_t end) {
   const auto index = static_cast<std::int32_t>(m_nodes.size());
-  m_nodes.emplace_back();
+  clear(m_nodes.emplace_back().pack);
   if (end - begin <= LANES) {
     Node& node = m_nodes.back();
     node.is_leaf = true;
     node.count = end - begin;
-    std::copy(m_members.begin() + begin, m_members.begin() + end, node.child.begin());
-    node.last = node.child;
+    std::copy(m_members.begin() + begin, m_members.begin() + end, node.child);
+    std::copy_n(node.child, node.count, node.last);
     return index;
   }
   std::array<std::int32_t, LANES + 1> bounds = {begin, 0, 0, 0, 0};
@@ -105,8 +106,8 @@ std::int32_t TreeOf<AnyBox>::build_node(const std::vector<AnyBox>& boxes, std::i
   }
   for (std::size_t part = 0; part < static_cast<std::size_t>(parts); ++part) {
     const std::int32_t child = build_node(boxes, bounds[part], bounds[part + 1]);
-    const std::array<std::int32_t, LANES>& below = m_nodes[child].last;
-    const std::int32_t last = *std::max_element(below.begin(), below.begin() + m_nodes[child].count);
+    const std::int32_t* below = m_nodes[child].last;
+    const std::int32_t last = *std::max_element(below, below + m_nodes[child].count);
     Node& node = m_nodes[index];
     node.child[part] = child;
     node.last[part] = last;

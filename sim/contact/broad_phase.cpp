@@ -1,19 +1,22 @@
 #include "sim/contact/broad_phase.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
 
 #include "sim/contact/distance.h"
 #include "sim/contact/pair_boxes.h"
+#include "sim/contact/select_search.h"
 
 namespace wry::contact {
 
 namespace {
 
 constexpr std::size_t GRAIN = 128;
-constexpr std::size_t GROUP = BoxSearch<MovingBox>::GROUP;
+/// So many primitives are looked up before their pairs are looked at.
+constexpr std::size_t GROUP = 32;
 /// A list's ways go on, where the next steps go: for so many times as long, at most by so many margins.
 constexpr double STEPS_AHEAD = 8.0;
 constexpr double AHEAD = 8.0;
@@ -29,6 +32,8 @@ constexpr std::size_t SAMPLED = 8;
 /// Who is farther apart than so many distances is not measured exactly.
 constexpr double ENOUGH = 3.0;
 constexpr std::size_t PICK_GRAIN = 2048;
+/// Pairs that a kernel is given at once.
+constexpr std::size_t BLOCK = 256;
 /// Numbers that are kept in single precision are moved by this share to the safe side.
 constexpr float SINGLE_SLACK = 1e-6F;
 
@@ -60,13 +65,14 @@ void sort_pairs(std::vector<CandidatePair>& pairs, std::size_t begin) {
 } // namespace
 
 BroadPhase::BroadPhase(const Surface& surface, const Threads& threads, std::size_t most_pairs,
-                       ReachFunction reach_within)
+                       ReachFunction reach_within, Isa isa)
     : m_surface(surface)
     , m_threads(threads)
     , m_most_pairs(most_pairs)
     , m_reach_within(std::move(reach_within))
+    , m_kernels(select_search(isa))
     , m_first_point(first_points_of_parts(surface))
-    , m_boxes{{surface, threads}, {}, {}} {
+    , m_boxes(surface, threads, m_kernels.single) {
   for (int a = 0; a < surface.part_count(); ++a) {
     for (int b = 0; b <= a; ++b) {
       if (surface.meet(a, b))
@@ -75,7 +81,7 @@ BroadPhase::BroadPhase(const Surface& surface, const Threads& threads, std::size
   }
 }
 
-BroadPhase::Placed BroadPhase::seen(const Points& positions, PairGroup group) const {
+Placed BroadPhase::seen(const Points& positions, PairGroup group) const {
   Placed placed{positions, Points::Zero(m_surface.part_count(), 3)};
   Points& middles = placed.middles;
   if (group == PairGroup::between_parts)
@@ -93,12 +99,13 @@ BroadPhase::Placed BroadPhase::seen(const Points& positions, PairGroup group) co
   return placed;
 }
 
-void BroadPhase::measure_ways(PairGroup group, const Points& positions, Ways& out) const {
-  measure_ways(seen(lists(group).near.measured_at, group), seen(positions, group), out);
-}
-
-void BroadPhase::measure_ways(const Placed& since, const Placed& now, Ways& out) const {
-  out.measure(m_surface, since.positions, since.middles, now.positions, now.middles);
+void BroadPhase::measure_ways(PairGroup group, const Points& first, const Points& second, Ways& out) const {
+  const Placed at = seen(first, group);
+  const Placed since = seen(lists(group).near.measured_at, group);
+  if (&first == &second)
+    out.measure(m_surface, m_kernels, since, at, at);
+  else
+    out.measure(m_surface, m_kernels, since, at, seen(second, group));
 }
 
 double BroadPhase::longest_way_within(const Points& from, const Points& to) const {
@@ -226,22 +233,19 @@ void BroadPhase::pick(PairGroup group, const Placed& from, const Placed& to) {
   set_ways(lists.near, from, to, lists.list.distance);
   lists.near_is_picked = true;
   lists.near.measured_at = lists.list.measured_at;
-  const double spent = lists.near.spent();
-  const Placed since = seen(lists.near.measured_at, group);
-  measure_ways(since, from, m_from_ways);
-  measure_ways(since, to, m_to_ways);
+  m_ways.measure(m_surface, m_kernels, seen(lists.near.measured_at, group), from, to);
   for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
     const std::vector<CandidatePair>& pairs = lists.list.pairs[static_cast<std::size_t>(kind)];
     const std::size_t count = (pairs.size() + PICK_GRAIN - 1) / PICK_GRAIN;
     m_chunks.resize(std::max(m_chunks.size(), count));
+    m_moved.resize(std::max(m_moved.size(), count));
     m_threads.for_chunks(pairs.size(), PICK_GRAIN, [&](std::size_t begin, std::size_t end) {
+      std::vector<std::int32_t>& moved = m_moved[begin / PICK_GRAIN];
+      m_ways.find_moved(kind, pairs, begin, end, lists.near.spent(), moved);
       std::vector<CandidatePair>& chunk = m_chunks[begin / PICK_GRAIN];
       chunk.clear();
-      for (std::size_t i = begin; i < end; ++i) {
-        const double spare = pairs[i].apart - spent;
-        if (!m_to_ways.are_below(kind, pairs[i].nodes, spare) || !m_from_ways.are_below(kind, pairs[i].nodes, spare))
-          chunk.push_back(pairs[i]);
-      }
+      for (const std::int32_t i : moved)
+        chunk.push_back(pairs[static_cast<std::size_t>(i)]);
     });
     std::vector<CandidatePair>& near = lists.near.pairs[static_cast<std::size_t>(kind)];
     join_chunks(count, near);
@@ -306,12 +310,10 @@ bool BroadPhase::search_near(PairGroup group, const Placed& from, const Placed& 
 
 bool BroadPhase::search(PairSet& set, PairGroup group) {
   ++m_searches;
-  const Points end = set.measured_at + set.way;
-  measure_ways(seen(set.measured_at, group), seen(end, group), m_to_ways);
   if (search(m_boxes, set, group))
     return true;
   if (!m_wide_boxes)
-    m_wide_boxes.reset(new Boxes<double>{{m_surface, m_threads}, {}, {}});
+    m_wide_boxes.reset(new Boxes<double>(m_surface, m_threads, m_kernels.wide));
   return search(*m_wide_boxes, set, group);
 }
 
@@ -320,21 +322,27 @@ template <class Scalar> bool BroadPhase::search(Boxes<Scalar>& boxes, PairSet& s
   const bool sorted = &set == &lists(group).near;
   const double rounding = rounding_of_boxes<Scalar>(boxes.place(set, m_surface) + spent);
   boxes.trees.update(boxes.nodes, group, spent + rounding);
+  NearQuestion<Scalar> question;
+  question.points = boxes.points.front().place.data();
+  question.distance = static_cast<Scalar>(spent) * (Scalar(1) + std::numeric_limits<Scalar>::epsilon());
+  question.enough = static_cast<Scalar>(ENOUGH * set.distance);
+  question.rounding = static_cast<Scalar>(rounding) * (Scalar(1) + std::numeric_limits<Scalar>::epsilon());
   const auto keep_near = [&](PairKind kind) -> Finish {
-    return [&, kind](std::vector<CandidatePair>& pairs, std::size_t begin) {
+    const FindNear<Scalar> find_near =
+        kind == PairKind::edge_edge ? boxes.kernels.find_near_edges : boxes.kernels.find_near_triangles;
+    return [&, kind, find_near](std::vector<CandidatePair>& pairs, std::size_t begin) {
+      std::array<NearAnswer<Scalar>, BLOCK + 1> answers;
       std::size_t kept = begin;
-      for (std::size_t i = begin; i < pairs.size(); ++i) {
-        const QuickPair<Scalar> quick(kind, pairs[i].nodes, boxes.points);
-        if (quick.is_beyond(spent, rounding))
-          continue;
-        const QuickGap gap = quick.between_middles(rounding);
-        if (gap.least > spent)
-          continue;
-        const bool enough = gap.start >= ENOUGH * set.distance;
-        const double known = enough ? gap.start : std::max(gap.start, quick.between_nearest(rounding));
-        measure(kind, group, set, known, pairs[i]);
-        if (!m_to_ways.are_below(kind, pairs[i].nodes, pairs[i].apart - spent))
-          pairs[kept++] = pairs[i];
+      for (std::size_t first = begin; first < pairs.size(); first += BLOCK) {
+        const std::size_t size = std::min(BLOCK, pairs.size() - first);
+        const int near = find_near(question, records_of(&pairs[first], size), answers.data());
+        for (int i = 0; i < near; ++i) {
+          const NearAnswer<Scalar>& answer = answers[static_cast<std::size_t>(i)];
+          CandidatePair& pair = pairs[kept] = pairs[first + static_cast<std::size_t>(answer.index)];
+          measure(kind, group, set, static_cast<double>(answer.apart), pair);
+          if (!(pair.apart - spent > answer.approach))
+            ++kept;
+        }
       }
       pairs.resize(kept);
       if (sorted)

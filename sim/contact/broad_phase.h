@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "sim/base/isa.h"
 #include "sim/base/parallel.h"
 #include "sim/contact/box_search.h"
 #include "sim/contact/candidate_pair.h"
@@ -31,7 +32,8 @@ using ReachFunction = std::function<double(PairKind, const std::array<std::int32
 class BroadPhase {
 public:
   /// `reach_within` may be empty: the distance, then.
-  BroadPhase(const Surface& surface, const Threads& threads, std::size_t most_pairs, ReachFunction reach_within = {});
+  BroadPhase(const Surface& surface, const Threads& threads, std::size_t most_pairs, ReachFunction reach_within = {},
+             Isa isa = native_isa());
 
   /// Makes the pairs hold for both sets of positions (nodes x 3) and between them. Does nothing when they do already.
   /// False when more than most_pairs come near each other: then a group has no pairs, and a shorter way must be asked
@@ -48,8 +50,8 @@ public:
   const std::vector<CandidatePair>& pairs(PairGroup group, PairKind kind) const {
     return lists(group).near.pairs[static_cast<std::size_t>(kind)];
   }
-  /// How far the nodes have come since the pairs' `apart` was measured.
-  void measure_ways(PairGroup group, const Points& positions, Ways& out) const;
+  /// How far the nodes have come at two places since the pairs' `apart` was measured.
+  void measure_ways(PairGroup group, const Points& first, const Points& second, Ways& out) const;
   std::size_t pair_count() const;             ///< of all lists
   int searches() const { return m_searches; } ///< how often trees were searched
   std::size_t memory_bytes() const;
@@ -75,9 +77,13 @@ private:
     int unserved = 0;            ///< how often they might have been, had there been a list
   };
   template <class Scalar> struct Boxes {
-    BoxSearch<MovingBoxOf<Scalar>> trees;
+    SearchKernels<Scalar> kernels;
+    BoxSearch<Scalar> trees;
     std::vector<MovingBoxOf<Scalar>> nodes;  ///< of the surface
     std::vector<MovingPoint<Scalar>> points; ///< the same
+    Boxes(const Surface& surface, const Threads& threads, const SearchKernels<Scalar>& of_isa)
+        : kernels(of_isa)
+        , trees(surface, threads, of_isa.find_in_tree) {}
     double place(const PairSet& set, const Surface& surface);
   };
   const Lists& lists(PairGroup group) const { return m_lists[static_cast<std::size_t>(group)]; }
@@ -85,11 +91,6 @@ private:
   /// Measures the pairs from `begin` on, and leaves out those that are not wanted.
   using Finish = std::function<void(std::vector<CandidatePair>&, std::size_t begin)>;
 
-  /// Positions, and the middles of parts: zero where pairs are of two parts.
-  struct Placed {
-    const Points& positions;
-    Points middles;
-  };
   Placed seen(const Points& positions, PairGroup group) const;
   double longest_way(const Placed& from, const Placed& to) const;
   bool holds(const PairSet& set, const Placed& at) const;
@@ -102,7 +103,6 @@ private:
   bool search(PairSet& set, PairGroup group);
   template <class Scalar> bool search(Boxes<Scalar>& boxes, PairSet& set, PairGroup group);
   void measure(PairKind kind, PairGroup group, const PairSet& set, double known, CandidatePair& pair) const;
-  void measure_ways(const Placed& since, const Placed& now, Ways& out) const;
   void join_chunks(std::size_t count, std::vector<CandidatePair>& out);
   std::size_t collect(std::size_t count, std::size_t room, const Find& find, const Finish& finish,
                       std::vector<CandidatePair>& out);
@@ -111,6 +111,7 @@ private:
   const Threads& m_threads;
   std::size_t m_most_pairs;
   ReachFunction m_reach_within;
+  SearchTable m_kernels;
   int m_searches = 0;
   Points m_expected_ways;                 ///< without rows before one knows
   std::array<Lists, 2> m_lists;           ///< by group
@@ -118,7 +119,8 @@ private:
   Boxes<float> m_boxes;
   std::unique_ptr<Boxes<double>> m_wide_boxes; ///< once single precision has not been enough
   std::vector<std::vector<CandidatePair>> m_chunks;
-  Ways m_from_ways, m_to_ways;
+  std::vector<std::vector<std::int32_t>> m_moved; ///< by chunk
+  Ways m_ways;
 };
 
 } // namespace wry::contact

@@ -92,7 +92,7 @@ double most_approach(const PairPoints& ways, int first) {
 struct Motion {
   const Points& from;
   const Points& to;
-  Ways from_measured, to_measured;
+  Ways since_measured;
 };
 
 SafeStep ask_range(const std::vector<CandidatePair>& pairs, PairKind kind, std::size_t begin, std::size_t end,
@@ -100,13 +100,11 @@ SafeStep ask_range(const std::vector<CandidatePair>& pairs, PairKind kind, std::
   Asker asker(kind, table);
   const int first = kind == PairKind::edge_edge ? 2 : 1;
   const double most_kept = keep.most_thickness + std::max(keep.share * keep.reach, keep.least);
-  for (std::size_t index = begin; index < end; ++index) {
-    const CandidatePair& pair = pairs[index];
-    // Most pairs move along with each other, and are near where they were measured.
-    const double spare = pair.apart - most_kept;
-    if (motion.from_measured.are_below(kind, pair.nodes, spare) &&
-        motion.to_measured.are_below(kind, pair.nodes, spare))
-      continue;
+  // Most pairs move along with each other, and are near where they were measured.
+  std::vector<std::int32_t> moved;
+  motion.since_measured.find_moved(kind, pairs, begin, end, most_kept, moved);
+  for (const std::int32_t index : moved) {
+    const CandidatePair& pair = pairs[static_cast<std::size_t>(index)];
     const PairPoints start = gather(motion.from, pair.nodes);
     const PairPoints stop = gather(motion.to, pair.nodes);
     // `least` once more for what rounding the differences does.
@@ -131,9 +129,8 @@ SafeStep find_safe_step(const BroadPhase& candidates, const Points& from, const 
     if (candidates.pairs(group, PairKind::point_triangle).empty() &&
         candidates.pairs(group, PairKind::edge_edge).empty())
       continue;
-    Motion motion{from, to, {}, {}};
-    candidates.measure_ways(group, from, motion.from_measured);
-    candidates.measure_ways(group, to, motion.to_measured);
+    Motion motion{from, to, {}};
+    candidates.measure_ways(group, from, to, motion.since_measured);
     for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge}) {
       const std::vector<CandidatePair>& pairs = candidates.pairs(group, kind);
       std::vector<SafeStep> chunks((pairs.size() + GRAIN - 1) / GRAIN);

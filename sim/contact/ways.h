@@ -1,43 +1,51 @@
 #pragma once
 
-#include <array>
-#include <cmath>
 #include <cstdint>
 #include <vector>
 
+#include "sim/contact/candidate_pair.h"
 #include "sim/contact/ccd.h"
 #include "sim/contact/moving_box.h"
+#include "sim/contact/search_kernels.h"
 #include "sim/contact/surface.h"
 
 namespace wry::contact {
 
-/// How far each node has come, relative to the middle of its part where that is asked for: in single precision, since
-/// it serves the quick answer that most pairs are as far apart as they were. What rounding does is on the safe side.
+/// Positions of nodes, and of the middles of parts, which are taken off: zero where they are not to be.
+struct Placed {
+  const Points& positions;
+  Points middles; ///< parts x 3
+};
+
+/// How far each node has come, at either of two places: in single precision, since it serves the quick answer that most
+/// pairs are as far apart as they were. What rounding does is on the safe side.
 class Ways {
 public:
-  /// `since_middles`, `now_middles`: parts x 3, taken off; as in BroadPhase.
-  void measure(const Surface& surface, const Points& since, const Points& since_middles, const Points& now,
-               const Points& now_middles);
+  void measure(const Surface& surface, const SearchTable& kernels, const Placed& since, const Placed& first,
+               const Placed& second);
 
-  /// Whether the points of a pair have come nearer to each other by less than this [m].
-  bool are_below(PairKind kind, const std::array<std::int32_t, 4>& nodes, double limit) const {
-    const float least = static_cast<float>(limit) * (1.0F - 1e-6F) - m_rounding;
-    if (!(least > 0.0F))
-      return false;
-    if (m_most == 0.0F) // as at the start of a step, from where the list was made
-      return true;
-    const auto way = [&](std::size_t k) -> const Eigen::Array4f& { return m_ways[static_cast<std::size_t>(nodes[k])]; };
-    const bool edges = kind == PairKind::edge_edge;
-    const Eigen::Array4f& other = way(edges ? 1 : 0); // of a point, its way to a third corner counts twice
-    const Eigen::Array4f squares = squares_of(
-        std::array<Eigen::Array4f, 4>{way(0) - way(2), way(0) - way(3), other - way(edges ? 2 : 1), other - way(3)});
-    return all_below(squares, least * least);
-  }
+  /// The pairs of [begin, end) that may have come nearer to each other, at one of the places, by what they were apart
+  /// less `taken` [m].
+  void find_moved(PairKind kind, const std::vector<CandidatePair>& pairs, std::size_t begin, std::size_t end,
+                  double taken, std::vector<std::int32_t>& out) const;
+  /// The same less what each pair has to be near to matter.
+  void find_in_reach(PairKind kind, const std::vector<CandidatePair>& pairs, std::size_t begin, std::size_t end,
+                     std::vector<std::int32_t>& out) const;
 
 private:
-  std::vector<Eigen::Array4f> m_ways;
-  float m_most = 0.0F; ///< of a coordinate [m]
+  void find(PairKind kind, const std::vector<CandidatePair>& pairs, std::size_t begin, std::size_t end, float taken,
+            std::vector<std::int32_t>& out) const;
+
+  struct Way {
+    Eigen::Array4f first, second;
+  };
+  std::vector<Way> m_ways; ///< per node
+  int m_places = 0;
   float m_rounding = 0.0F;
+  FindMoved m_find_moved[2] = {}; ///< by kind
 };
+
+/// Pairs as kernels read them.
+PairRecords records_of(const CandidatePair* pairs, std::size_t count);
 
 } // namespace wry::contact

@@ -44,6 +44,7 @@ ContactSystem::ContactSystem(const FemPlan& plan, const FemScene& scene, double 
     , m_scene(scene)
     , m_distance(distance)
     , m_threads(threads)
+    , m_isa(isa)
     , m_ccd(contact::select_ccd(isa))
     , m_unknown_nodes(scene.model.layout.node_count()) {}
 
@@ -126,7 +127,8 @@ Status ContactSystem::add_parts() {
   const std::size_t most = std::max<std::size_t>(500'000, 64 * m_surface.edges().size());
   m_broad_phase = std::make_unique<contact::BroadPhase>(
       m_surface, m_threads, most,
-      [this](contact::PairKind kind, const std::array<std::int32_t, 4>& nodes) { return rest_limit(kind, nodes); });
+      [this](contact::PairKind kind, const std::array<std::int32_t, 4>& nodes) { return rest_limit(kind, nodes); },
+      m_isa);
   return {};
 }
 

@@ -135,7 +135,7 @@ void ContactSystem::update_pairs() {
     if (m_broad_phase->pairs(group, PairKind::point_triangle).empty() &&
         m_broad_phase->pairs(group, PairKind::edge_edge).empty())
       continue;
-    m_broad_phase->measure_ways(group, m_all, m_since_measured);
+    m_broad_phase->measure_ways(group, m_all, m_all, m_since_measured);
     for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge})
       add_near_pairs(group, kind);
   }
@@ -148,11 +148,11 @@ void ContactSystem::add_near_pairs(contact::PairGroup group, PairKind kind) {
   m_threads.for_chunks(candidates.size(), GRAIN, [&](std::size_t begin, std::size_t end) {
     std::vector<ContactPair>& out = m_chunks[begin / GRAIN];
     out.clear();
-    for (std::size_t i = begin; i < end; ++i) {
-      const CandidatePair& candidate = candidates[i];
+    std::vector<std::int32_t> in_reach;
+    m_since_measured.find_in_reach(kind, candidates, begin, end, in_reach);
+    for (const std::int32_t i : in_reach) {
+      const CandidatePair& candidate = candidates[static_cast<std::size_t>(i)];
       const double reach = candidate.reach;
-      if (m_since_measured.are_below(kind, candidate.nodes, candidate.apart - reach))
-        continue;
       if (contact::squared_box_distance(kind, m_all, candidate.nodes) >= reach * reach)
         continue;
       const double squared = contact::squared_distance(kind, contact::gather(m_all, candidate.nodes));

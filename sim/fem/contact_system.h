@@ -117,6 +117,7 @@ private:
   double m_distance;
   double m_room = 0.0; ///< that nodes get before candidates are searched again [m]
   const Threads& m_threads;
+  Isa m_isa;
   contact::CcdTable m_ccd;
   int m_unknown_nodes = 0;
   contact::Surface m_surface;
