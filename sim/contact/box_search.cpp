@@ -39,14 +39,44 @@ void put_boxes(const std::vector<Primitive>& primitives, const std::vector<AnyBo
   });
 }
 
-template <class T> void set_around(TreeQuery<T>& query, const MovingBoxOf<T>& box) {
-  for (int i = 0; i < 3; ++i) {
-    query.low[i] = box.low[i];
-    query.high[i] = box.high[i];
-    query.way_low[i] = box.way_low[i];
-    query.way_high[i] = box.way_high[i];
-  }
+/// The sides of a box, and how they grow.
+template <class T> T size_of(const MovingBoxOf<T>& box) {
+  return (box.high - box.low + box.way_high - box.way_low).sum();
 }
+
+/// Boxes of primitives that follow each other, as long as they are near each other.
+template <class T> class QueryGroup {
+public:
+  QueryGroup() {
+    for (MovingBoxes<T>& boxes : query.boxes)
+      clear(boxes);
+  }
+  /// False where the box is too far away, or there are too many.
+  bool add(const MovingBoxOf<T>& box, std::int32_t after) {
+    MovingBoxOf<T> around = query.count > 0 ? m_around : box;
+    around.include(box);
+    if (query.count == MOST_ASKERS || (query.count > 0 && size_of(around) > LOOSENESS * m_size))
+      return false;
+    m_around = around;
+    m_size = std::max(m_size, size_of(box));
+    put(query.boxes[query.count / 4], query.count % 4, box);
+    query.after[query.count++] = after;
+    for (int i = 0; i < 3; ++i) {
+      query.low[i] = around.low[i];
+      query.high[i] = around.high[i];
+      query.way_low[i] = around.way_low[i];
+      query.way_high[i] = around.way_high[i];
+    }
+    return true;
+  }
+
+  TreeQuery<T> query;
+
+private:
+  static constexpr T LOOSENESS = T(2.5);
+  MovingBoxOf<T> m_around;
+  T m_size = T(0); ///< of the largest
+};
 
 } // namespace
 
@@ -118,8 +148,8 @@ void BoxSearch<T>::find(const TreeOf<AnyBox>& tree, const TreeQuery<T>& query, c
   if (tree.nodes().empty())
     return;
   std::array<TreeHit, 512> hits;
-  TreeWalk walk;
-  while (walk.depth > 0) {
+  TreeWalk walk(tree.nodes().front().is_leaf);
+  while (!walk.is_over()) {
     const int count = m_find_in_tree(tree.nodes().data(), query, walk, hits.data(), static_cast<int>(hits.size()));
     std::for_each(hits.begin(), hits.begin() + count, take);
   }
@@ -127,27 +157,29 @@ void BoxSearch<T>::find(const TreeOf<AnyBox>& tree, const TreeQuery<T>& query, c
 
 template <class T>
 void BoxSearch<T>::add_triangles(std::int32_t begin, std::int32_t end, std::vector<CandidatePair>& out) const {
-  TreeQuery<T> query;
-  clear(query.boxes);
-  query.after[0] = -1;
-  for (std::int32_t point = begin; point < end; ++point) {
-    const std::int32_t node = m_surface.points()[static_cast<std::size_t>(point)];
-    AnyBox box = (*m_nodes)[static_cast<std::size_t>(node)];
-    box.grow(m_distance);
-    put(query.boxes, 0, box);
-    query.count = 1;
-    set_around(query, box);
+  const auto node_of = [&](std::int32_t point) { return m_surface.points()[static_cast<std::size_t>(point)]; };
+  while (begin < end) {
+    const int part = m_surface.part_of_node(node_of(begin));
+    const std::int32_t first = begin;
+    QueryGroup<T> group;
+    for (; begin < end && m_surface.part_of_node(node_of(begin)) == part; ++begin) {
+      AnyBox box = (*m_nodes)[static_cast<std::size_t>(node_of(begin))];
+      box.grow(m_distance);
+      if (!group.add(box, -1))
+        break;
+    }
     const auto take = [&](const TreeHit& hit) {
+      const std::int32_t node = node_of(first + hit.which);
       const Surface::Triangle& t = m_surface.triangles()[static_cast<std::size_t>(hit.index)];
       if (!has_node(t, node))
-        out.push_back({{node, t[0], t[1], t[2]}, point, hit.index});
+        out.push_back({{node, t[0], t[1], t[2]}, first + hit.which, hit.index});
     };
-    for (const int other : m_partners[static_cast<std::size_t>(m_surface.part_of_node(node))])
-      find(m_triangle_trees[static_cast<std::size_t>(other)], query, take);
+    for (const int other : m_partners[static_cast<std::size_t>(part)])
+      find(m_triangle_trees[static_cast<std::size_t>(other)], group.query, take);
   }
 }
 
-/// Edges come in the order of their first nodes: those of a group are mostly a fan.
+/// Edges come in the order of their first nodes: those of a group are mostly fans.
 template <class T>
 void BoxSearch<T>::add_edges(std::int32_t begin, std::int32_t end, std::vector<CandidatePair>& out) const {
   const std::vector<Surface::Edge>& edges = m_surface.edges();
@@ -157,18 +189,13 @@ void BoxSearch<T>::add_edges(std::int32_t begin, std::int32_t end, std::vector<C
   while (begin < end) {
     const int part = part_of(begin);
     const std::int32_t first = begin;
-    TreeQuery<T> query;
-    clear(query.boxes);
-    AnyBox around = m_edge_boxes[static_cast<std::size_t>(begin)];
-    for (; begin < end && query.count < 4 && part_of(begin) == part; ++begin, ++query.count) {
+    QueryGroup<T> group;
+    for (; begin < end && part_of(begin) == part; ++begin) {
       AnyBox box = m_edge_boxes[static_cast<std::size_t>(begin)];
-      around.include(box);
       box.grow(m_distance);
-      put(query.boxes, query.count, box);
-      query.after[query.count] = begin;
+      if (!group.add(box, begin))
+        break;
     }
-    around.grow(m_distance);
-    set_around(query, around);
     const auto take = [&](const TreeHit& hit) {
       const std::int32_t edge = first + hit.which;
       const Surface::Edge& e = edges[static_cast<std::size_t>(edge)];
@@ -178,7 +205,7 @@ void BoxSearch<T>::add_edges(std::int32_t begin, std::int32_t end, std::vector<C
     };
     for (const int other : m_partners[static_cast<std::size_t>(part)]) {
       if (other >= part)
-        find(m_edge_trees[static_cast<std::size_t>(other)], query, take);
+        find(m_edge_trees[static_cast<std::size_t>(other)], group.query, take);
     }
   }
 }

@@ -111,6 +111,7 @@ std::int32_t TreeOf<AnyBox>::build_node(const std::vector<AnyBox>& boxes, std::i
     Node& node = m_nodes[index];
     node.child[part] = child;
     node.last[part] = last;
+    node.leaf_children |= static_cast<std::uint32_t>(m_nodes[child].is_leaf) << part;
     ++node.count;
   }
   return index;

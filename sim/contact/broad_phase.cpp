@@ -327,6 +327,7 @@ template <class Scalar> bool BroadPhase::search(Boxes<Scalar>& boxes, PairSet& s
   question.distance = static_cast<Scalar>(spent) * (Scalar(1) + std::numeric_limits<Scalar>::epsilon());
   question.enough = static_cast<Scalar>(ENOUGH * set.distance);
   question.rounding = static_cast<Scalar>(rounding) * (Scalar(1) + std::numeric_limits<Scalar>::epsilon());
+  const float reach = static_cast<float>(set.distance) * (1.0F + SINGLE_SLACK);
   const auto keep_near = [&](PairKind kind) -> Finish {
     const FindNear<Scalar> find_near =
         kind == PairKind::edge_edge ? boxes.kernels.find_near_edges : boxes.kernels.find_near_triangles;
@@ -339,6 +340,12 @@ template <class Scalar> bool BroadPhase::search(Boxes<Scalar>& boxes, PairSet& s
         for (int i = 0; i < near; ++i) {
           const NearAnswer<Scalar>& answer = answers[static_cast<std::size_t>(i)];
           CandidatePair& pair = pairs[kept] = pairs[first + static_cast<std::size_t>(answer.index)];
+          if (answer.apart >= question.enough) {
+            pair.apart = static_cast<float>(answer.apart) * (1.0F - SINGLE_SLACK);
+            pair.reach = reach;
+            ++kept;
+            continue;
+          }
           measure(kind, group, set, static_cast<double>(answer.apart), pair);
           if (!(pair.apart - spent > answer.approach))
             ++kept;

@@ -50,6 +50,13 @@ template <class T, int N> WRY_INLINE Numbers<T, N> repeat(const T* four) {
   return numbers;
 }
 
+template <int N> WRY_INLINE Masks<float, N> repeat_integers(const std::int32_t* four) {
+  Masks<float, N> numbers;
+  for (int i = 0; i < N; ++i)
+    numbers[i] = four[i % 4];
+  return numbers;
+}
+
 /// A bit per lane that is set.
 template <class T, int N> WRY_INLINE unsigned bits_of(const Masks<T, N>& mask) {
   if constexpr (sizeof(T) == 4 && N == 4) {
@@ -101,12 +108,14 @@ WRY_INLINE unsigned meeting(const Bounds<Numbers<T, N>>& a, const Bounds<Numbers
   return bits_of<T, N>(gap <= zero);
 }
 
+constexpr int MOST_LEAVES = sizeof(TreeWalk::leaves) / sizeof(std::int32_t) - 1;
+
 template <class T>
 int find_in_tree(const TreeNode<MovingBoxes<T>>* nodes, const TreeQuery<T>& query, TreeWalk& walk, TreeHit* hits,
                  int room) {
   constexpr int AT_ONCE = ASKERS<T>;
   constexpr int N = 4 * AT_ONCE;
-  constexpr int ROUNDS = 4 / AT_ONCE;
+  constexpr int ROUNDS = MOST_ASKERS / AT_ONCE;
   Bounds<Numbers<T, 4>> around;
   for (int i = 0; i < 3; ++i) {
     around.low[i] = Numbers<T, 4>{} + query.low[i];
@@ -114,43 +123,56 @@ int find_in_tree(const TreeNode<MovingBoxes<T>>* nodes, const TreeQuery<T>& quer
     around.way_low[i] = Numbers<T, 4>{} + query.way_low[i];
     around.way_high[i] = Numbers<T, 4>{} + query.way_high[i];
   }
+  const int rounds = (query.count + AT_ONCE - 1) / AT_ONCE;
   Bounds<Numbers<T, N>> askers[ROUNDS];
-  for (int round = 0; round < ROUNDS; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     for (int lane = 0; lane < N; ++lane) {
       const int which = round * AT_ONCE + lane / 4;
+      const MovingBoxes<T>& boxes = query.boxes[which / 4];
       for (int i = 0; i < 3; ++i) {
-        askers[round].low[i][lane] = query.boxes.low[i][which];
-        askers[round].high[i][lane] = query.boxes.high[i][which];
-        askers[round].way_low[i][lane] = query.boxes.way_low[i][which];
-        askers[round].way_high[i][lane] = query.boxes.way_high[i][which];
+        askers[round].low[i][lane] = boxes.low[i][which % 4];
+        askers[round].high[i][lane] = boxes.high[i][which % 4];
+        askers[round].way_low[i][lane] = boxes.way_low[i][which % 4];
+        askers[round].way_high[i][lane] = boxes.way_high[i][which % 4];
       }
     }
   }
+  Masks<float, N> after[ROUNDS]; // of the boxes that ask
   std::int32_t least = query.after[0];
+  for (int round = 0; round < rounds; ++round) {
+    for (int lane = 0; lane < N; ++lane)
+      after[round][lane] = query.after[round * AT_ONCE + lane / 4];
+  }
   for (int which = 1; which < query.count; ++which)
     least = query.after[which] < least ? query.after[which] : least;
-  const int rounds = (query.count + AT_ONCE - 1) / AT_ONCE;
   int found = 0;
-  while (walk.depth > 0 && found + HITS_OF_LEAF <= room) {
-    const TreeNode<MovingBoxes<T>>& node = nodes[walk.stack[--walk.depth]];
-    if (!node.is_leaf) {
-      unsigned met = meeting<T, 4>(repeat<T, 4>(node.pack), around);
-      for (; met != 0; met &= met - 1) {
-        const int lane = __builtin_ctz(met);
-        walk.stack[walk.depth] = node.child[lane];
-        walk.depth += node.last[lane] > least ? 1 : 0;
+  while (!walk.is_over()) {
+    while (walk.leaf_count > 0) {
+      if (found + HITS_OF_LEAF > room)
+        return found;
+      const TreeNode<MovingBoxes<T>>& leaf = nodes[walk.leaves[--walk.leaf_count]];
+      const Bounds<Numbers<T, N>> boxes = repeat<T, N>(leaf.pack);
+      const Masks<float, N> index = repeat_integers<N>(leaf.child);
+      std::uint32_t met = 0;
+      for (int round = 0; round < rounds; ++round) {
+        const unsigned beyond = bits_of<float, N>(index > after[round]);
+        met |= (meeting<T, N>(boxes, askers[round]) & beyond) << (round * N);
       }
-      continue;
-    }
-    const Bounds<Numbers<T, N>> boxes = repeat<T, N>(node.pack);
-    for (int round = 0; round < rounds; ++round) {
-      unsigned met = meeting<T, N>(boxes, askers[round]);
       for (; met != 0; met &= met - 1) {
         const int lane = __builtin_ctz(met);
-        const int which = round * AT_ONCE + lane / 4;
-        const std::int32_t index = node.child[lane % 4];
-        hits[found] = {which, index};
-        found += index > query.after[which] ? 1 : 0;
+        hits[found++] = {lane / 4, leaf.child[lane % 4]};
+      }
+    }
+    while (walk.depth > 0 && walk.leaf_count + 4 <= MOST_LEAVES) {
+      const TreeNode<MovingBoxes<T>>& node = nodes[walk.stack[--walk.depth]];
+      const Masks<float, 4> last = repeat_integers<4>(node.last);
+      const unsigned met = meeting<T, 4>(repeat<T, 4>(node.pack), around) & bits_of<float, 4>(last > least);
+      const unsigned leaves = met & node.leaf_children;
+      const unsigned inner = met & ~node.leaf_children;
+      for (int lane = 0; lane < 4; ++lane) {
+        walk.leaves[walk.leaf_count] = walk.stack[walk.depth] = node.child[lane];
+        walk.leaf_count += static_cast<int>(leaves >> lane & 1U);
+        walk.depth += static_cast<int>(inner >> lane & 1U);
       }
     }
   }

@@ -13,24 +13,35 @@ template <class T> struct alignas(4 * sizeof(T)) MovingBoxes {
 /// A node of a tree: its children are nodes too, or, of a leaf, boxes of the list that the tree is of.
 template <class Pack> struct TreeNode {
   Pack pack;
-  std::int32_t child[4]; ///< nodes, which come after their parents, or boxes
-  std::int32_t last[4];  ///< the greatest box below
+  std::int32_t child[4] = {}; ///< nodes, which come after their parents, or boxes
+  std::int32_t last[4] = {};  ///< the greatest box below
   std::int32_t count = 0;
+  std::uint32_t leaf_children = 0; ///< a bit per child that is a leaf
   bool is_leaf = false;
 };
 
-/// Up to four boxes that are near each other, each of which asks for the boxes of a tree beyond its own `after`.
+/// Boxes that are near each other, each of which asks for the boxes of a tree beyond its own `after`.
+inline constexpr int MOST_ASKERS = 8;
 template <class T> struct TreeQuery {
-  MovingBoxes<T> boxes;
+  MovingBoxes<T> boxes[MOST_ASKERS / 4];
   T low[3], high[3], way_low[3], way_high[3]; ///< around all
-  std::int32_t after[4];
+  std::int32_t after[MOST_ASKERS] = {};
   int count = 0;
 };
 
-/// Nodes that are still to be looked at.
+/// Nodes that are still to be looked at: leaves by themselves, many at a time, so that what comes next is seldom
+/// guessed wrong.
 struct TreeWalk {
-  std::int32_t stack[64] = {0};
-  int depth = 1;
+  std::int32_t stack[64];
+  std::int32_t leaves[128];
+  int depth = 0;
+  int leaf_count = 0;
+
+  explicit TreeWalk(bool root_is_leaf) {
+    stack[0] = leaves[0] = 0;
+    (root_is_leaf ? leaf_count : depth) = 1;
+  }
+  bool is_over() const { return depth == 0 && leaf_count == 0; }
 };
 
 struct TreeHit {
@@ -38,7 +49,7 @@ struct TreeHit {
   std::int32_t index; ///< of the boxes of the tree
 };
 /// So many hits more must fit for a walk to go on.
-inline constexpr int HITS_OF_LEAF = 16;
+inline constexpr int HITS_OF_LEAF = 4 * MOST_ASKERS;
 
 /// Finds the boxes that may meet those of the query at some time, in an order that depends on how the tree was built.
 /// Goes on where the walk is, until no node is left or there is no room for the hits of one more leaf. Returns how many
