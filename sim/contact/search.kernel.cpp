@@ -21,40 +21,32 @@ template <class T> constexpr T SLACK = T(1e-6);
 
 // ---- trees ----
 
-/// Numbers for four boxes of a node, as often as they fit a register: each time for another box that asks.
-template <class T> constexpr int ASKERS = WRY_ISA_BYTES < int(4 * sizeof(T)) ? 1 : WRY_ISA_BYTES / int(4 * sizeof(T));
-template <class T, int N> struct Lanes {
-  typedef T Vector __attribute__((vector_size(N * sizeof(T))));
-};
-template <class T> struct IntegerOf {
-  using Type = std::int32_t;
-};
-template <> struct IntegerOf<double> {
-  using Type = std::int64_t;
-};
+/// Numbers for four boxes of a node, as often as they fit 32 bytes: each time for another box that asks. Twice as many
+/// make the search slower, measured with AVX-512.
+template <class T> constexpr int ASKERS = WRY_ISA_BYTES >= 32 && sizeof(T) == 4 ? 2 : 1;
+template <class T, int N> struct Lanes { typedef T Vector __attribute__((vector_size(N * sizeof(T)))); };
+template <class T> struct IntegerOf { using Type = std::int32_t; };
+template <> struct IntegerOf<double> { using Type = std::int64_t; };
 template <class T, int N> using Numbers = typename Lanes<T, N>::Vector;
 template <class T, int N> using Masks = typename Lanes<typename IntegerOf<T>::Type, N>::Vector;
 
 /// Four numbers, again and again.
-template <class T, int N> WRY_INLINE Numbers<T, N> repeat(const T* four) {
+template <class T, int N> WRY_INLINE void repeat(const T* four, Numbers<T, N>& out) {
   if constexpr (sizeof(T) == 4 && N == 8) {
     const __m128 once = _mm_load_ps(four);
-    return __builtin_shufflevector(once, once, 0, 1, 2, 3, 0, 1, 2, 3);
-  } else if constexpr (sizeof(T) == 4 && N == 16) {
-    const __m128 once = _mm_load_ps(four);
-    return __builtin_shufflevector(once, once, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
+    out = __builtin_shufflevector(once, once, 0, 1, 2, 3, 0, 1, 2, 3);
+  } else {
+    for (int i = 0; i < N; ++i)
+      out[i] = four[i % 4];
   }
-  Numbers<T, N> numbers;
-  for (int i = 0; i < N; ++i)
-    numbers[i] = four[i % 4];
-  return numbers;
 }
-
 template <int N> WRY_INLINE Masks<float, N> repeat_integers(const std::int32_t* four) {
-  Masks<float, N> numbers;
-  for (int i = 0; i < N; ++i)
-    numbers[i] = four[i % 4];
-  return numbers;
+  Masks<float, 4> once;
+  __builtin_memcpy(&once, four, sizeof(once));
+  if constexpr (N == 4)
+    return once;
+  else
+    return __builtin_shufflevector(once, once, 0, 1, 2, 3, 0, 1, 2, 3);
 }
 
 /// A bit per lane that is set.
@@ -78,23 +70,20 @@ template <class T, int N> WRY_INLINE unsigned bits_of(const Masks<T, N>& mask) {
 }
 
 /// The bounds of boxes by axis.
-template <class Vector> struct Bounds {
-  Vector low[3], high[3], way_low[3], way_high[3];
-};
+template <class Vector> struct Bounds { Vector low[3], high[3], way_low[3], way_high[3]; };
 template <class T, int N> WRY_INLINE Bounds<Numbers<T, N>> repeat(const MovingBoxes<T>& boxes) {
   Bounds<Numbers<T, N>> bounds;
   for (int i = 0; i < 3; ++i) {
-    bounds.low[i] = repeat<T, N>(boxes.low[i]);
-    bounds.high[i] = repeat<T, N>(boxes.high[i]);
-    bounds.way_low[i] = repeat<T, N>(boxes.way_low[i]);
-    bounds.way_high[i] = repeat<T, N>(boxes.way_high[i]);
+    repeat<T, N>(boxes.low[i], bounds.low[i]);
+    repeat<T, N>(boxes.high[i], bounds.high[i]);
+    repeat<T, N>(boxes.way_low[i], bounds.way_low[i]);
+    repeat<T, N>(boxes.way_high[i], bounds.way_high[i]);
   }
   return bounds;
 }
 
 /// A bit per lane whose two boxes may overlap at some time, as far as each axis tells.
-template <class T, int N>
-WRY_INLINE unsigned meeting(const Bounds<Numbers<T, N>>& a, const Bounds<Numbers<T, N>>& b) {
+template <class T, int N> WRY_INLINE unsigned meeting(const Bounds<Numbers<T, N>>& a, const Bounds<Numbers<T, N>>& b) {
   const Numbers<T, N> zero{};
   Numbers<T, N> gap{};
   for (int i = 0; i < 3; ++i) {
@@ -183,9 +172,7 @@ int find_in_tree(const TreeNode<MovingBoxes<T>>* nodes, const TreeQuery<T>& quer
 
 template <class T> constexpr int WIDTH = PackTraits<T>::WIDTH;
 
-template <class T> struct Three {
-  Pack<T> x, y, z;
-};
+template <class T> struct Three { Pack<T> x, y, z; };
 template <class T> WRY_INLINE Three<T> operator+(const Three<T>& a, const Three<T>& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
@@ -250,7 +237,7 @@ template <class T, bool EDGES> WRY_INLINE Pack<T> gap_of(const Pack<T> (&points)
 
 /// Gaps along a direction of some squared length, as gaps in space from below; -1 where there is no direction.
 template <class T> WRY_INLINE Pack<T> proven(Pack<T> gap, Pack<T> squared, T rounding) {
-  const Pack<T> in_space = gap / sqrt(squared) * (T(1) - SLACK<T>) - rounding;
+  const Pack<T> in_space = gap / sqrt(squared) * (T(1) - SLACK<T>)-rounding;
   return squared > T(0) ? in_space : splat(T(-1));
 }
 
@@ -304,9 +291,9 @@ int find_near(const NearQuestion<T>& question, const PairRecords& pairs, NearAns
 
     // Along the direction between the middles. Between start and end the gap is the least of linear functions: never
     // below both.
-    Three<T> axis = EDGES ? place[0] + place[1] - place[2] - place[3]
-                          : Three<T>{T(3) * place[0].x, T(3) * place[0].y, T(3) * place[0].z} - place[1] - place[2] -
-                                place[3];
+    Three<T> axis =
+        EDGES ? place[0] + place[1] - place[2] - place[3]
+              : Three<T>{T(3) * place[0].x, T(3) * place[0].y, T(3) * place[0].z} - place[1] - place[2] - place[3];
     Pack<T> at_start[4], at_end[4];
     for (int k = 0; k < 4; ++k) {
       at_start[k] = dot(axis, place[k]);
@@ -338,8 +325,8 @@ int find_near(const NearQuestion<T>& question, const PairRecords& pairs, NearAns
                                   proven<T>(gap_of<T, EDGES>(along), squared_nearest, question.rounding)),
                               Pack<T>{});
 
-    const Pack<T> approach = sqrt(largest_between<T, EDGES>(way)) * (T(1) + SLACK<T>) + question.rounding;
-    const Pack<T> left = apart * (T(1) - SLACK<T>) - question.distance;
+    const Pack<T> approach = sqrt(largest_between<T, EDGES>(way)) * (T(1) + SLACK<T>)+question.rounding;
+    const Pack<T> left = apart * (T(1) - SLACK<T>)-question.distance;
     const auto far = (least > question.distance) | ((apart >= question.enough) & (left > approach));
     for (int lane = 0; lane < block.lanes(); ++lane) {
       answers[found] = {begin + lane, apart[lane], approach[lane]};
@@ -367,7 +354,7 @@ template <bool EDGES> int find_moved(const MovedQuestion& question, const PairRe
       if (by_reach)
         taken[lane] = pairs.reach[(begin + lane) * PAIR_RECORD];
     }
-    const Pack<float> spare = (apart - taken) * (1.0F - SLACK<float>) - question.rounding;
+    const Pack<float> spare = (apart - taken) * (1.0F - SLACK<float>)-question.rounding;
     const Masks<float, LANES> moved = (spare <= 0.0F) | (nearer >= spare * spare);
     for (unsigned bits = bits_of<float, LANES>(moved) & ((1U << block.lanes()) - 1U); bits != 0; bits &= bits - 1)
       out[found++] = begin + __builtin_ctz(bits);
