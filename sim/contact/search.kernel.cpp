@@ -135,7 +135,7 @@ int find_in_tree(const TreeNode<MovingBoxes<T>>* nodes, const TreeQuery<T>& quer
   for (int which = 1; which < query.count; ++which)
     least = query.after[which] < least ? query.after[which] : least;
   int found = 0;
-  while (!walk.is_over()) {
+  while (walk.depth > 0 || walk.leaf_count > 0) {
     while (walk.leaf_count > 0) {
       if (found + HITS_OF_LEAF > room)
         return found;

@@ -121,7 +121,7 @@ TYPED_TEST(SearchKernel, LeavesOutNoPairThatComesNearAndTellsNoGapThatIsTooLarge
         const auto distance_at = [&](int pair, double time) {
           PairPoints at;
           for (int k = 0; k < 4; ++k) {
-            const MovingPoint<T>& point = points[static_cast<std::size_t>(4 * pair + k)];
+            const MovingPoint<T>& point = points[4 * static_cast<std::size_t>(pair) + static_cast<std::size_t>(k)];
             at.row(k) =
                 (point.place.template cast<double>() + time * point.way.template cast<double>()).template head<3>();
           }
