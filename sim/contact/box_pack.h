@@ -41,9 +41,7 @@ struct BoxPack {
   std::array<Box, 4> boxes;
   int count = 0;
 };
-template <> struct PackOf<Box> {
-  using Type = BoxPack;
-};
+template <> struct PackOf<Box> { using Type = BoxPack; };
 
 inline void clear(BoxPack& pack) {
   pack.count = 0;
@@ -76,9 +74,7 @@ inline unsigned meeting(const BoxPack& pack, const Box& box) {
   return mask;
 }
 
-template <class T> struct PackOf<MovingBoxOf<T>> {
-  using Type = MovingBoxes<T>;
-};
+template <class T> struct PackOf<MovingBoxOf<T>> { using Type = MovingBoxes<T>; };
 
 template <class T> void clear(MovingBoxes<T>& pack) {
   constexpr T NEVER = std::numeric_limits<T>::infinity();

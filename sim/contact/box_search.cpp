@@ -10,11 +10,11 @@ namespace {
 constexpr std::size_t BOX_GRAIN = 2048;
 
 bool share_node(const Surface::Edge& a, const Surface::Edge& b) {
-  return a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1];
+  return ((a[0] == b[0]) | (a[0] == b[1]) | (a[1] == b[0]) | (a[1] == b[1])) != 0;
 }
 
 bool has_node(const Surface::Triangle& triangle, std::int32_t node) {
-  return triangle[0] == node || triangle[1] == node || triangle[2] == node;
+  return ((triangle[0] == node) | (triangle[1] == node) | (triangle[2] == node)) != 0;
 }
 
 /// Where the primitives of each part begin: they come part by part.
@@ -97,8 +97,7 @@ BoxSearch<T>::BoxSearch(const Surface& surface, const Threads& threads, FindInTr
     , m_edge_trees(static_cast<std::size_t>(surface.part_count()))
     , m_partners(static_cast<std::size_t>(surface.part_count())) {}
 
-template <class T>
-void BoxSearch<T>::update(const std::vector<AnyBox>& nodes, PairGroup group, double distance) {
+template <class T> void BoxSearch<T>::update(const std::vector<AnyBox>& nodes, PairGroup group, double distance) {
   m_nodes = &nodes;
   m_distance = distance;
   put_boxes(m_surface.triangles(), nodes, m_threads, m_triangle_boxes);
@@ -141,17 +140,23 @@ template <class T> void BoxSearch<T>::find_partners(PairGroup group) {
   }
 }
 
-/// Calls take(hit) for every box of the tree that the query meets.
+/// Adds a pair for every box of the tree that the query meets: pair_of(hit, pair) says whether it is one. Nothing
+/// branches on the answer, which cannot be foretold.
 template <class T>
-template <class Take>
-void BoxSearch<T>::find(const TreeOf<AnyBox>& tree, const TreeQuery<T>& query, const Take& take) const {
+template <class PairOf>
+void BoxSearch<T>::find(const TreeOf<AnyBox>& tree, const TreeQuery<T>& query, std::vector<CandidatePair>& out,
+                        const PairOf& pair_of) const {
   if (tree.nodes().empty())
     return;
   std::array<TreeHit, 512> hits;
   TreeWalk walk(tree.nodes().front().is_leaf);
   while (!walk.is_over()) {
     const int count = m_find_in_tree(tree.nodes().data(), query, walk, hits.data(), static_cast<int>(hits.size()));
-    std::for_each(hits.begin(), hits.begin() + count, take);
+    std::size_t used = out.size();
+    out.resize(used + static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i)
+      used += static_cast<std::size_t>(pair_of(hits[static_cast<std::size_t>(i)], out[used]));
+    out.resize(used);
   }
 }
 
@@ -168,14 +173,14 @@ void BoxSearch<T>::add_triangles(std::int32_t begin, std::int32_t end, std::vect
       if (!group.add(box, -1))
         break;
     }
-    const auto take = [&](const TreeHit& hit) {
+    const auto pair_of = [&](const TreeHit& hit, CandidatePair& pair) {
       const std::int32_t node = node_of(first + hit.which);
       const Surface::Triangle& t = m_surface.triangles()[static_cast<std::size_t>(hit.index)];
-      if (!has_node(t, node))
-        out.push_back({{node, t[0], t[1], t[2]}, first + hit.which, hit.index});
+      pair = {{node, t[0], t[1], t[2]}, first + hit.which, hit.index};
+      return !has_node(t, node);
     };
     for (const int other : m_partners[static_cast<std::size_t>(part)])
-      find(m_triangle_trees[static_cast<std::size_t>(other)], group.query, take);
+      find(m_triangle_trees[static_cast<std::size_t>(other)], group.query, out, pair_of);
   }
 }
 
@@ -196,16 +201,16 @@ void BoxSearch<T>::add_edges(std::int32_t begin, std::int32_t end, std::vector<C
       if (!group.add(box, begin))
         break;
     }
-    const auto take = [&](const TreeHit& hit) {
+    const auto pair_of = [&](const TreeHit& hit, CandidatePair& pair) {
       const std::int32_t edge = first + hit.which;
       const Surface::Edge& e = edges[static_cast<std::size_t>(edge)];
       const Surface::Edge& f = edges[static_cast<std::size_t>(hit.index)];
-      if (!share_node(e, f))
-        out.push_back({{e[0], e[1], f[0], f[1]}, edge, hit.index});
+      pair = {{e[0], e[1], f[0], f[1]}, edge, hit.index};
+      return !share_node(e, f);
     };
     for (const int other : m_partners[static_cast<std::size_t>(part)]) {
       if (other >= part)
-        find(m_edge_trees[static_cast<std::size_t>(other)], group.query, take);
+        find(m_edge_trees[static_cast<std::size_t>(other)], group.query, out, pair_of);
     }
   }
 }

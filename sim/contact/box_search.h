@@ -29,7 +29,9 @@ public:
 
 private:
   void find_partners(PairGroup group);
-  template <class Take> void find(const TreeOf<AnyBox>& tree, const TreeQuery<T>& query, const Take& take) const;
+  template <class PairOf>
+  void find(const TreeOf<AnyBox>& tree, const TreeQuery<T>& query, std::vector<CandidatePair>& out,
+            const PairOf& pair_of) const;
 
   const Surface& m_surface;
   const Threads& m_threads;

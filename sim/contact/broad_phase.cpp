@@ -426,6 +426,8 @@ std::size_t BroadPhase::memory_bytes() const {
   }
   for (const std::vector<CandidatePair>& chunk : m_chunks)
     bytes += chunk.capacity() * sizeof(CandidatePair);
+  for (const std::vector<std::int32_t>& moved : m_moved)
+    bytes += moved.capacity() * sizeof(std::int32_t);
   return bytes;
 }
 

@@ -52,8 +52,8 @@ void Ways::find_in_reach(PairKind kind, const std::vector<CandidatePair>& pairs,
   find(kind, pairs, begin, end, -1.0F, out);
 }
 
-void Ways::find(PairKind kind, const std::vector<CandidatePair>& pairs, std::size_t begin, std::size_t end,
-                float taken, std::vector<std::int32_t>& out) const {
+void Ways::find(PairKind kind, const std::vector<CandidatePair>& pairs, std::size_t begin, std::size_t end, float taken,
+                std::vector<std::int32_t>& out) const {
   out.resize(end - begin);
   int count = 0;
   if (end > begin) {
