@@ -267,6 +267,8 @@ Result<StepStats> Simulation::step(double end) {
   StepStats stats;
   if (!(end > m_state.time))
     return make_error(ErrorCode::usage, "cannot step from {} s to {} s", m_state.time, end);
+  if (m_contact_system)
+    m_contact_system->take_cost(); // what was searched before is no part of the step
   NewtonReport total;
   std::vector<double> stiffness_before; ///< of contacts, once a step had to be cut
   for (;;) {
@@ -311,11 +313,13 @@ Result<StepStats> Simulation::step(double end) {
     const ContactSystem::Gaps pairs = m_contact_system->measure(m_state.positions);
     stats.contacts += pairs.active;
     stats.least_distance = std::min(stats.least_distance, pairs.least);
+  }
+  stiffen_crowded_contacts();
+  if (m_contact_system) {
     const ContactSystem::Cost cost = m_contact_system->take_cost();
     stats.contact_search_ms = cost.search_ms;
     stats.safe_step_ms = cost.safe_step_ms;
   }
-  stiffen_crowded_contacts();
   add_energies(m_scene, m_state, stats);
   stats.total_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return stats;
