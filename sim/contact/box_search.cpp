@@ -10,11 +10,18 @@ namespace {
 constexpr std::size_t BOX_GRAIN = 2048;
 
 bool share_node(const Surface::Edge& a, const Surface::Edge& b) {
-  return ((a[0] == b[0]) | (a[0] == b[1]) | (a[1] == b[0]) | (a[1] == b[1])) != 0;
+  bool shared = a[0] == b[0];
+  shared |= a[0] == b[1];
+  shared |= a[1] == b[0];
+  shared |= a[1] == b[1];
+  return shared;
 }
 
 bool has_node(const Surface::Triangle& triangle, std::int32_t node) {
-  return ((triangle[0] == node) | (triangle[1] == node) | (triangle[2] == node)) != 0;
+  bool found = triangle[0] == node;
+  found |= triangle[1] == node;
+  found |= triangle[2] == node;
+  return found;
 }
 
 /// Where the primitives of each part begin: they come part by part.
