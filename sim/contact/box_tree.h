@@ -60,7 +60,6 @@ private:
 };
 
 using BoxTree = TreeOf<Box>;
-using MovingTree = TreeOf<MovingBox>;
 extern template class TreeOf<Box>;
 extern template class TreeOf<MovingBox>;
 extern template class TreeOf<WideMovingBox>;
